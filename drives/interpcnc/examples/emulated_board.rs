@@ -4,12 +4,8 @@
 //! cargo run -p twin-interpcnc --example emulated_board
 //! ```
 
-use std::error::Error;
-use std::sync::Arc;
-use std::time::Duration;
-use tokio::io::duplex;
-use tokio::sync::mpsc;
-use tokio::time::Instant;
+use std::{error::Error, sync::Arc, time::Duration};
+use tokio::{io::duplex, sync::mpsc, time::Instant};
 use twin_interpcnc::emulator::{Board, BoardOptions, Wire, serve};
 use twin_interpcnc::{AxisOptions, BoardAxis, InterpCnc, InterpCncOptions, MoveProfile};
 

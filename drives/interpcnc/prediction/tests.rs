@@ -1,82 +1,28 @@
 //! Tests of the tracking error of both ways of following, against closed forms.
 
-use std::{f64::consts::TAU, time::Duration};
-
 use super::*;
 use crate::{
-    BoardAxis, Command, Following, InterpCncDrive, InterpCncOptions,
-    emulator::{EmulatedBoard, EmulatorOptions},
+    BoardAxis, Following,
+    tests::{MS, Plan, line, sines, steep_axes},
 };
-use twin_drives::Drive;
-
-const MS: i64 = 1_000_000;
-
-/// A plan in closed form that is known 250 ms ahead.
-struct Plan<F> {
-    end_s: f64,
-    of: F,
-}
-
-impl<F: Fn(f64) -> IncrementMotion + Sync> SetpointStream for Plan<F> {
-    fn now_ns(&self) -> i64 {
-        0
-    }
-
-    fn at(&self, time_ns: i64) -> IncrementMotion {
-        let time = twin_drives::ramp::seconds(time_ns);
-        let mut motion = (self.of)(time.clamp(0.0, self.end_s));
-        if time < 0.0 || time >= self.end_s {
-            motion.velocity = [0.0; 5];
-        }
-        motion
-    }
-
-    fn horizon_ns(&self) -> i64 {
-        250 * MS
-    }
-}
-
-fn axes(count: usize) -> Vec<AxisOptions> {
-    let steep = |axis| AxisOptions {
-        acceleration_khz_per_s: 1000,
-        deceleration_khz_per_s: 1000,
-        ..AxisOptions::new(axis)
-    };
-    BoardAxis::ALL.into_iter().take(count).map(steep).collect()
-}
 
 const BUFFERED: Following =
     Following::Buffered { start_stop_hz: 200, acceleration_khz_per_s: 1000 };
 
 /// Two sines of different frequency, from rest to rest.
-fn sines(amplitude: f64) -> Plan<impl Fn(f64) -> IncrementMotion + Sync> {
-    let of = move |time: f64| {
-        let mut motion = IncrementMotion::default();
-        for (axis, frequency) in [0.5, 0.25].into_iter().enumerate() {
-            let pulsation = TAU * frequency;
-            motion.position[axis] = amplitude * (1.0 - (pulsation * time).cos());
-            motion.velocity[axis] = amplitude * pulsation * (pulsation * time).sin();
-        }
-        motion
-    };
-    Plan { end_s: 4.0, of }
+fn slow_sines(amplitude: f64) -> impl Fn(f64) -> IncrementMotion + Sync {
+    sines(vec![(amplitude, 0.5), (amplitude, 0.25)])
 }
 
-/// A line at constant speed, which starts and ends at once.
-fn line(speed: f64, end_s: f64) -> Plan<impl Fn(f64) -> IncrementMotion + Sync> {
-    let of = move |time: f64| {
-        let mut motion = IncrementMotion::default();
-        (motion.position[0], motion.velocity[0]) = (speed * time, speed);
-        (motion.position[1], motion.velocity[1]) = (-0.5 * speed * time, -0.5 * speed);
-        motion
-    };
-    Plan { end_s, of }
+/// A plan of which only the shape counts.
+fn plan(end_s: f64, of: impl Fn(f64) -> IncrementMotion + Sync) -> impl SetpointStream {
+    Plan::new(|| 0, 0, end_s, of)
 }
 
 #[test]
 fn segments_end_where_the_plan_ends() {
-    let plan = sines(4000.0);
-    let mut prediction = board_prediction(&axes(2), &Wire::default(), BUFFERED, None);
+    let plan = plan(4.0, slow_sines(4000.0));
+    let mut prediction = board_prediction(&steep_axes(2), &Wire::default(), BUFFERED, None);
     let mut farthest = 0.0_f64;
     for time in -200..5500_i64 {
         farthest = farthest.max(prediction.advance(&plan, time * MS).position[0]);
@@ -98,8 +44,8 @@ fn segments_end_where_the_plan_ends() {
 fn segments_that_need_no_ramp_are_as_near_as_rounding() {
     // Slower than the start frequency: a segment has constant speed, as the plan has.
     let start = Following::Buffered { start_stop_hz: 2000, acceleration_khz_per_s: 1000 };
-    let plan = line(1500.0, 3.0);
-    let found = predict(&plan, &axes(2), &Wire::default(), start, (-200 * MS, 4000 * MS));
+    let plan = plan(3.0, line(1500.0));
+    let found = predict(&plan, &steep_axes(2), &Wire::default(), start, (-200 * MS, 4000 * MS));
     // The first segment can only begin an exchange after the plan does: at most 20 ms at 1500 steps/s.
     assert!(found.largest[0] < 32.0, "{found:?}");
     assert!(found.rms[0] < 8.0 && found.rms[1] < 4.0, "{found:?}");
@@ -109,8 +55,8 @@ fn segments_that_need_no_ramp_are_as_near_as_rounding() {
 fn stops_between_segments_cost_what_they_must() {
     // At 20 kHz in a straight line the axis must stop between segments of at most 250 ms: with ramps of 1000 kHz/s
     // it is 20 ms slower up and down, and makes that good in between: a swing of at least v·t/4 for t = 20 ms.
-    let plan = line(20e3, 3.0);
-    let axes = axes(2);
+    let plan = plan(3.0, line(20e3));
+    let axes = steep_axes(2);
     let window = (-200 * MS, 4000 * MS);
     let buffered = predict(&plan, &axes, &Wire::default(), BUFFERED, window);
     let retargeted = predict(&plan, &axes, &Wire::default(), Following::Retargeted, window);
@@ -122,8 +68,8 @@ fn stops_between_segments_cost_what_they_must() {
 
 #[test]
 fn a_summary_is_of_the_prediction() {
-    let plan = sines(4000.0);
-    let axes = axes(2);
+    let plan = plan(4.0, slow_sines(4000.0));
+    let axes = steep_axes(2);
     for following in [Following::Retargeted, BUFFERED] {
         let found = predict(&plan, &axes, &Wire::default(), following, (-100 * MS, 5000 * MS));
         let mut prediction = board_prediction(&axes, &Wire::default(), following, None);
@@ -142,15 +88,15 @@ fn a_summary_is_of_the_prediction() {
         }
         // The digest's table: 115 to 125 exchanges per second with a turnaround of 2 ms.
         assert!((110.0..150.0).contains(&found.exchanges_per_s), "{found:?}");
-        println!("{following:?}: {found:?}");
     }
 }
 
 #[test]
 fn retargeting_is_nearer_to_a_sine_than_segments_are() {
-    let plan = sines(4000.0);
-    let predicted =
-        |following| predict(&plan, &axes(2), &Wire::default(), following, (-200 * MS, 5000 * MS));
+    let plan = plan(4.0, slow_sines(4000.0));
+    let predicted = |following| {
+        predict(&plan, &steep_axes(2), &Wire::default(), following, (-200 * MS, 5000 * MS))
+    };
     let (retargeted, buffered) = (predicted(Following::Retargeted), predicted(BUFFERED));
     for axis in 0..2 {
         assert!(retargeted.rms[axis] < buffered.rms[axis], "{retargeted:?} {buffered:?}");
@@ -159,79 +105,11 @@ fn retargeting_is_nearer_to_a_sine_than_segments_are() {
     assert!(buffered.largest[0] < 12_566.0 * 0.06, "{buffered:?}");
 }
 
-/// A plan that runs with a clock.
-struct Live<P, C> {
-    plan: P,
-    clock: C,
-    start_ns: i64,
-}
-
-impl<P: SetpointStream, C: Fn() -> i64 + Sync> SetpointStream for Live<P, C> {
-    fn now_ns(&self) -> i64 {
-        (self.clock)() - self.start_ns
-    }
-    fn at(&self, time_ns: i64) -> IncrementMotion {
-        self.plan.at(time_ns)
-    }
-    fn horizon_ns(&self) -> i64 {
-        self.plan.horizon_ns()
-    }
-}
-
-/// The real driver on a pseudo-terminal: it ends on the end of the plan.
-#[test]
-fn the_driver_follows_by_segments() {
-    #[expect(clippy::disallowed_methods, reason = "this test runs in real time")]
-    let zero = std::time::Instant::now();
-    let clock = move || i64::try_from(zero.elapsed().as_nanos()).unwrap();
-    let board = EmulatedBoard::start(&EmulatorOptions::default(), clock).unwrap();
-    let path = board.path().to_str().unwrap().to_owned();
-    let mut options = InterpCncOptions::new(axes(2));
-    options.deadline = Duration::from_secs(2);
-    options.following = BUFFERED;
-    // The board has other ramps: the drive says so instead of following badly.
-    let mut drive = InterpCncDrive::open(&path, &options).unwrap();
-    let other = drive.enable();
-    assert!(
-        matches!(
-            other,
-            Err(twin_drives::DriveError::ParameterDiffers {
-                number: 4,
-                expected: 1000,
-                found: 50,
-                ..
-            })
-        ),
-        "{other:?}"
-    );
-    let (driver, runtime) = drive.board();
-    let patience = Duration::from_secs(10);
-    let no_clock = || 0;
-    runtime.block_on(driver.set_parameter(4, 1000, patience, &no_clock)).unwrap();
-    drive.enable().unwrap();
-    let stream = Live { plan: sines(1000.0), clock, start_ns: clock() + 100 * MS };
-    loop {
-        let sample = drive.follow(&stream).unwrap();
-        if sample.time_ns > 4_300 * MS && !sample.moving {
-            break;
-        }
-    }
-    let end = stream.at(i64::MAX).position;
-    let last = drive.sample(&stream).unwrap().position;
-    assert_eq!(
-        [last[0].to_string(), last[1].to_string()],
-        [0, 1].map(|axis| format!("{:.0}", end[axis].abs()))
-    );
-    let command = Command::RampStop;
-    let (driver, runtime) = drive.board();
-    runtime.block_on(driver.send(&command, &no_clock)).unwrap();
-}
-
 /// 115200 baud, 2 ms: command 80 takes 8.538 ms, a look 8.712, the encoder 6.976, once in eight looks (bytes, two silences of
 /// 1.75 ms, the answering time).
 #[test]
 fn reading_the_encoder_costs_what_its_bytes_do() {
-    let axes = axes(3);
+    let axes = steep_axes(3);
     let encoder =
         EncoderOptions { axis: BoardAxis::Y, points: 4000, increments: 3200, tolerance: 10 };
     let byte = 10.0 / 115_200.0;
@@ -246,7 +124,7 @@ fn reading_the_encoder_costs_what_its_bytes_do() {
         assert!((rates(None) * without - 1.0).abs() < 1e-3, "{following:?}");
         assert!((rates(Some(encoder)) * with - 1.0).abs() < 1e-3, "{following:?}");
         // And what is done is that: on the way one exchange more in eight rounds, so that there are fewer of the others.
-        let plan = sines(4000.0);
+        let plan = plan(4.0, slow_sines(4000.0));
         let [without, with] = [None, Some(encoder)].map(|encoder| {
             let mut prediction = board_prediction(&axes, &wire, following, encoder);
             let moved: Vec<_> = (0..3000_i64)

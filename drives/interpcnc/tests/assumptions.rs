@@ -4,14 +4,15 @@ use std::time::Duration;
 
 use tokio::time::sleep;
 
-use super::board::{Hand, LONG, no_clock, profile, with_board};
+use super::{
+    LOCKED, assuming,
+    board::{Hand, LONG, Rig, happen, no_clock},
+    profile, segment_of_x,
+};
 use crate::{
-    Assumptions, AxisMask, BaudCode, BoardAxis, BoardStop, Command, InterpCnc, InterpCncOptions,
-    OutputCode,
-    emulator::{Bench, BoardOptions, Control, Event},
+    Assumptions, AxisMask, BaudCode, BoardAxis, BoardStop, InterpCnc, OutputCode, emulator::Event,
     protocol::registers::Status,
 };
-use twin_drives::DriveError;
 
 /// Every alternative, one at a time.
 fn alternatives() -> Vec<Assumptions> {
@@ -49,11 +50,12 @@ fn alternatives() -> Vec<Assumptions> {
 /// What is asked of every board: refuse while locked, move, take segments, lose ENABLE, move again.
 async fn session(mut driver: InterpCnc, hand: Hand) {
     let assumed = driver.options().assumptions;
-    let locked = |done: &Result<(), DriveError>| matches!(done, Err(DriveError::Locked { .. }));
-    let refused = driver.move_axis(BoardAxis::X, &profile(500), LONG, &no_clock).await;
-    assert!(locked(&refused), "{assumed:?}: {refused:?}");
-    let refused = driver.set_output(3, true, &no_clock).await;
-    assert!(locked(&refused), "{assumed:?}: {refused:?}");
+    for refused in [
+        driver.move_axis(BoardAxis::X, &profile(500), LONG, &no_clock).await,
+        driver.set_output(3, true, &no_clock).await,
+    ] {
+        assert!(refused.as_ref().is_err_and(LOCKED), "{assumed:?}: {refused:?}");
+    }
     driver.unlock(&no_clock).await.unwrap();
     driver.set_output(3, true, &no_clock).await.unwrap();
     for target in [500, -300] {
@@ -63,19 +65,16 @@ async fn session(mut driver: InterpCnc, hand: Hand) {
         driver.set_parameter(number, value, LONG, &no_clock).await.unwrap();
     }
     for target in [700, 900] {
-        let targets = [Some(target), None, None, None, None];
-        driver.send(&Command::Interpolated { speed_hz: 5000, targets }, &no_clock).await.unwrap();
+        driver.send(&segment_of_x(5000, target), &no_clock).await.unwrap();
     }
     driver.wait_for_rest(AxisMask::ALL, LONG, &no_clock).await.unwrap();
-    let (state, _) = driver.state(&no_clock).await.unwrap();
-    assert_eq!(state.positions[0], 900, "{assumed:?}");
+    assert_eq!(driver.state(&no_clock).await.unwrap().0.positions[0], 900, "{assumed:?}");
     for target in [90_000, 0] {
-        let targets = [Some(target), None, None, None, None];
-        driver.send(&Command::Interpolated { speed_hz: 5000, targets }, &no_clock).await.unwrap();
+        driver.send(&segment_of_x(5000, target), &no_clock).await.unwrap();
     }
-    hand.send(Control::Event(Event::Enable(false))).await.unwrap();
+    happen(&hand, Event::Enable(false)).await;
     sleep(Duration::from_secs(1)).await;
-    hand.send(Control::Event(Event::Enable(true))).await.unwrap();
+    happen(&hand, Event::Enable(true)).await;
     sleep(Duration::from_secs(1)).await;
     driver.unlock(&no_clock).await.unwrap();
     let (then, _) = driver.state(&no_clock).await.unwrap();
@@ -90,8 +89,7 @@ async fn session(mut driver: InterpCnc, hand: Hand) {
 #[test]
 fn the_driver_copes_with_every_alternative() {
     for assumptions in alternatives() {
-        let options = BoardOptions { assumptions, ..BoardOptions::default() };
-        let ((), board) = with_board(&options, Bench::default(), |_| {}, session);
+        let ((), board) = Rig::new(assuming(assumptions)).run(session);
         assert_eq!(board.counters()[0], 0, "{assumptions:?}");
     }
 }
@@ -100,19 +98,17 @@ fn the_driver_copes_with_every_alternative() {
 #[test]
 fn segments_that_are_kept_surprise_a_driver_that_does_not_expect_them() {
     let keeps = Assumptions { enable_loss_keeps_segments: true, ..Assumptions::default() };
-    let board = BoardOptions { assumptions: keeps, ..BoardOptions::default() };
-    let usual = |settings: &mut InterpCncOptions| settings.assumptions = Assumptions::default();
-    let ((), board) = with_board(&board, Bench::default(), usual, |mut driver, hand| async move {
+    let mut rig = Rig::new(assuming(keeps));
+    rig.settings.assumptions = Assumptions::default();
+    let ((), board) = rig.run(|mut driver, hand| async move {
         driver.unlock(&no_clock).await.unwrap();
         for target in [90_000, 1234] {
-            let targets = [Some(target), None, None, None, None];
-            let segment = Command::Interpolated { speed_hz: 5000, targets };
-            driver.send(&segment, &no_clock).await.unwrap();
+            driver.send(&segment_of_x(5000, target), &no_clock).await.unwrap();
         }
         sleep(Duration::from_secs(1)).await;
-        hand.send(Control::Event(Event::Enable(false))).await.unwrap();
+        happen(&hand, Event::Enable(false)).await;
         sleep(Duration::from_secs(1)).await;
-        hand.send(Control::Event(Event::Enable(true))).await.unwrap();
+        happen(&hand, Event::Enable(true)).await;
         sleep(Duration::from_millis(10)).await;
         driver.unlock(&no_clock).await.unwrap();
         sleep(Duration::from_secs(10)).await;
@@ -124,22 +120,14 @@ fn segments_that_are_kept_surprise_a_driver_that_does_not_expect_them() {
 #[test]
 fn an_axis_in_an_interpolated_move_gets_no_other() {
     let busy = Assumptions { busy_axis_refuses: false, ..Assumptions::default() };
-    let board = BoardOptions { assumptions: busy, ..BoardOptions::default() };
-    let ((), board) = with_board(
-        &board,
-        Bench::default(),
-        |settings: &mut InterpCncOptions| settings.assumptions = busy,
-        |mut driver, _hand| async move {
-            driver.unlock(&no_clock).await.unwrap();
-            let targets = [Some(20_000), None, None, None, None];
-            let segment = Command::Interpolated { speed_hz: 2000, targets };
-            driver.send(&segment, &no_clock).await.unwrap();
-            let moved = driver.move_axis(BoardAxis::X, &profile(500), LONG, &no_clock).await;
-            let said = moved.map_err(|error| error.to_string()).unwrap_err();
-            assert!(said.contains("command 80 (independent move)") && said.contains('X'), "{said}");
-            driver.move_axis(BoardAxis::Y, &profile(500), LONG, &no_clock).await.unwrap();
-            driver.wait_for_rest(AxisMask::ALL, LONG, &no_clock).await.unwrap();
-        },
-    );
+    let ((), board) = Rig::new(assuming(busy)).run(|mut driver, _hand| async move {
+        driver.unlock(&no_clock).await.unwrap();
+        driver.send(&segment_of_x(2000, 20_000), &no_clock).await.unwrap();
+        let moved = driver.move_axis(BoardAxis::X, &profile(500), LONG, &no_clock).await;
+        let said = moved.map_err(|error| error.to_string()).unwrap_err();
+        assert!(said.contains("command 80 (independent move)") && said.contains('X'), "{said}");
+        driver.move_axis(BoardAxis::Y, &profile(500), LONG, &no_clock).await.unwrap();
+        driver.wait_for_rest(AxisMask::ALL, LONG, &no_clock).await.unwrap();
+    });
     assert_eq!(board.counters()[..2], [20_000, 500]);
 }

@@ -9,12 +9,13 @@ use tokio::{
     time::{Instant, sleep},
 };
 
+use super::{
+    EEPROM_FAILED, LOCKED, RANGE, UNFINISHED, assuming, fails, go, profile, segment_of_x, switch,
+    x_only,
+};
 use crate::{
-    Assumptions, AxisMask, AxisOptions, BoardAxis, Command, InterpCnc, InterpCncOptions, Line,
-    MoveProfile,
-    emulator::{
-        Bench, Board, BoardOptions, Cam, Condition, Control, EncoderLink, Event, Wire, serve,
-    },
+    Assumptions, AxisMask, AxisOptions, BoardAxis, InterpCnc, InterpCncOptions, Line,
+    emulator::{Bench, Board, BoardOptions, Condition, Control, EncoderLink, Event, Wire, serve},
     protocol::{parameters, registers::Status},
 };
 pub(super) use twin_drives::no_clock;
@@ -26,93 +27,70 @@ pub(super) const LONG: Duration = Duration::from_mins(1);
 /// The board's end of a rig.
 pub(super) type Hand = mpsc::Sender<Control>;
 
-/// Runs a test on a driver and a board that is served at the other end of its wire, all in simulated time; what the
-/// test gives, and the board as it was at the end.
-pub(super) fn with_board<T, F: Future<Output = T>>(
-    board: &BoardOptions,
+pub(super) async fn happen(hand: &Hand, event: Event) {
+    hand.send(Control::Event(event)).await.unwrap();
+}
+
+/// A board, its bench, and a driver of all its axes.
+pub(super) struct Rig {
+    board: BoardOptions,
     bench: Bench,
-    options: impl FnOnce(&mut InterpCncOptions),
-    test: impl FnOnce(InterpCnc, Hand) -> F,
-) -> (T, Board) {
-    let runtime =
-        tokio::runtime::Builder::new_current_thread().enable_time().start_paused(true).build();
-    runtime.unwrap().block_on(async {
-        let (near, far) = duplex(4096);
-        let mut settings =
-            InterpCncOptions::new(BoardAxis::ALL.into_iter().map(AxisOptions::new).collect());
+    pub(super) settings: InterpCncOptions,
+}
+
+impl Rig {
+    /// A driver that knows its board, and nothing around them.
+    pub(super) fn new(board: BoardOptions) -> Self {
+        let axes = BoardAxis::ALL.into_iter().map(AxisOptions::new).collect();
+        let mut settings = InterpCncOptions::new(axes);
+        (settings.address, settings.line) = (board.address, board.line);
         settings.assumptions = board.assumptions;
-        options(&mut settings);
-        let driver = InterpCnc::attach(Arc::from("wire"), near, &settings);
-        let mut board = Board::new(board);
-        board.set_bench(bench);
-        let (hand, control) = mpsc::channel(64);
-        let wire = Wire { line: settings.line, ..Wire::default() };
-        let served = tokio::spawn(async move {
-            let zero = Instant::now();
-            let clock = move || i64::try_from(zero.elapsed().as_nanos()).unwrap();
-            serve(far, board, &wire, &clock, control).await
-        });
-        let outcome = test(driver, hand.clone()).await;
-        drop(hand);
-        (outcome, served.await.unwrap().unwrap())
-    })
+        Self { board, bench: Bench::default(), settings }
+    }
+
+    /// Runs a test on the driver and the board, which is served at the other end of its wire, all in simulated time; the
+    /// outcome, and the board as it was at the end.
+    pub(super) fn run<T, F: Future<Output = T>>(
+        self,
+        test: impl FnOnce(InterpCnc, Hand) -> F,
+    ) -> (T, Board) {
+        let runtime =
+            tokio::runtime::Builder::new_current_thread().enable_time().start_paused(true).build();
+        runtime.unwrap().block_on(async {
+            let (near, far) = duplex(4096);
+            let driver = InterpCnc::attach(Arc::from("wire"), near, &self.settings);
+            let mut board = Board::new(&self.board);
+            board.set_bench(self.bench);
+            let (hand, control) = mpsc::channel(64);
+            let wire = Wire { line: self.settings.line, ..Wire::default() };
+            let served = tokio::spawn(async move {
+                let zero = Instant::now();
+                let clock = move || i64::try_from(zero.elapsed().as_nanos()).unwrap();
+                serve(far, board, &wire, &clock, control).await
+            });
+            let outcome = test(driver, hand.clone()).await;
+            drop(hand);
+            (outcome, served.await.unwrap().unwrap())
+        })
+    }
 }
 
 /// The usual board, without anything around it.
-pub(super) fn with_usual<T, F: Future<Output = T>>(
-    test: impl FnOnce(InterpCnc, Hand) -> F,
-) -> (T, Board) {
-    with_bench(Bench::default(), test)
-}
-
-/// The usual board on a bench.
-fn with_bench<T, F: Future<Output = T>>(
-    bench: Bench,
-    test: impl FnOnce(InterpCnc, Hand) -> F,
-) -> (T, Board) {
-    with_board(&BoardOptions::default(), bench, |_| {}, test)
-}
-
-/// A board with options, without anything around it.
-fn with_options<T, F: Future<Output = T>>(
-    board: &BoardOptions,
-    test: impl FnOnce(InterpCnc, Hand) -> F,
-) -> (T, Board) {
-    with_board(board, Bench::default(), |_| {}, test)
-}
-
-fn switch(input: u8, axis: BoardAxis, from: i32, to: i32) -> Cam {
-    Cam { input, axis, from, to, normally_closed: false }
-}
-
-fn on_bench(cams: Vec<Cam>) -> Bench {
-    Bench { cams, encoder: None }
-}
-
-pub(super) fn profile(target: i32) -> MoveProfile {
-    MoveProfile {
-        start_stop_hz: 200,
-        acceleration_khz_per_s: 50,
-        speed_hz: 20_000,
-        deceleration_khz_per_s: 40,
-        target,
-    }
+pub(super) fn usual() -> Rig {
+    Rig::new(BoardOptions::default())
 }
 
 #[test]
 fn a_move_is_over_when_the_axis_stands_on_its_target() {
-    let ((), board) = with_usual(|mut driver, _hand| async move {
+    let ((), board) = usual().run(|mut driver, _hand| async move {
         // Locked, the board accepts the move and does nothing: that is said.
-        let locked = driver.move_axis(BoardAxis::Y, &profile(5000), LONG, &no_clock).await;
-        assert!(matches!(locked, Err(DriveError::Locked { .. })), "{locked:?}");
+        fails(&driver.move_axis(BoardAxis::Y, &profile(5000), LONG, &no_clock).await, LOCKED);
         driver.unlock(&no_clock).await.unwrap();
         driver.move_axis(BoardAxis::Y, &profile(5000), LONG, &no_clock).await.unwrap();
-        let (state, _) = driver.state(&no_clock).await.unwrap();
-        assert_eq!(state.positions, [0, 5000, 0, 0, 0]);
+        assert_eq!(driver.state(&no_clock).await.unwrap().0.positions, [0, 5000, 0, 0, 0]);
         // Too little time: said, and the axis goes on.
         let short = Duration::from_millis(50);
-        let early = driver.move_axis(BoardAxis::Y, &profile(0), short, &no_clock).await;
-        assert!(matches!(early, Err(DriveError::Unfinished { .. })), "{early:?}");
+        fails(&driver.move_axis(BoardAxis::Y, &profile(0), short, &no_clock).await, UNFINISHED);
         driver.wait_for_rest(AxisMask::ALL, LONG, &no_clock).await.unwrap();
     });
     assert_eq!(board.counters(), [0; 5]);
@@ -122,66 +100,48 @@ fn a_move_is_over_when_the_axis_stands_on_its_target() {
 fn the_instant_of_reversal_is_not_taken_for_the_end() {
     // The board shows no motion for 20 ms when the move reverses, which is more than an exchange.
     let assumptions = Assumptions { reversal_gap_ns: 20_000_000, ..Assumptions::default() };
-    let options = BoardOptions { assumptions, ..BoardOptions::default() };
-    let ((), _) = with_options(&options, |mut driver, _hand| async move {
+    Rig::new(assuming(assumptions)).run(|mut driver, _hand| async move {
         driver.unlock(&no_clock).await.unwrap();
-        let far = Command::Move { axis: BoardAxis::X, profile: profile(1_000_000) };
-        driver.send(&far, &no_clock).await.unwrap();
+        driver.send(&go(BoardAxis::X, 1_000_000), &no_clock).await.unwrap();
         sleep(Duration::from_secs(1)).await;
         driver.move_axis(BoardAxis::X, &profile(-500), LONG, &no_clock).await.unwrap();
-        let (state, _) = driver.state(&no_clock).await.unwrap();
-        assert_eq!(state.positions[0], -500);
+        assert_eq!(driver.state(&no_clock).await.unwrap().0.positions[0], -500);
     });
 }
 
 #[test]
 fn an_axis_that_something_else_stops_has_not_arrived() {
-    let ((), _) = with_usual(|mut driver, hand| async move {
+    let bench = Bench { cams: vec![switch(8, BoardAxis::X, 3000, 9000)], encoder: None };
+    usual().run(|mut driver, hand| async move {
         driver.unlock(&no_clock).await.unwrap();
         driver.set_parameter(106, 8, LONG, &no_clock).await.unwrap();
-        hand.send(Control::Event(Event::Bench(on_bench(vec![switch(
-            8,
-            BoardAxis::X,
-            3000,
-            9000,
-        )]))))
-        .await
-        .unwrap();
-        let stopped = driver.move_axis(BoardAxis::X, &profile(8000), LONG, &no_clock).await;
-        assert!(
-            matches!(stopped, Err(DriveError::LimitSwitch { axes: Axes::Letters(1), .. })),
-            "{stopped:?}"
-        );
+        happen(&hand, Event::Bench(bench)).await;
+        fails(&driver.move_axis(BoardAxis::X, &profile(8000), LONG, &no_clock).await, |error| {
+            matches!(error, DriveError::LimitSwitch { axes: Axes::Letters(1), .. })
+        });
         // A ramp stop that another master has sent: the axis is elsewhere.
-        let elsewhere = Command::Move { axis: BoardAxis::Z, profile: profile(100_000) };
+        let elsewhere = go(BoardAxis::Z, 100_000);
         driver.send(&elsewhere, &no_clock).await.unwrap();
         sleep(Duration::from_millis(500)).await;
         driver.ramp_stop(LONG, &no_clock).await.unwrap();
         let targets = [None, None, Some(100_000), None, None];
-        let outcome = driver.wait_for_targets(&elsewhere, &targets, LONG, &no_clock).await;
-        assert!(
-            matches!(
-                outcome,
-                Err(DriveError::NotArrived { axis: Axes::Letters(4), target: 100_000, .. })
-            ),
-            "{outcome:?}"
-        );
+        fails(&driver.wait_for_targets(&elsewhere, &targets, LONG, &no_clock).await, |error| {
+            matches!(error, DriveError::NotArrived { axis: Axes::Letters(4), target: 100_000, .. })
+        });
     });
 }
 
 #[test]
 fn stops_are_waited_for() {
-    let ((), board) = with_usual(|mut driver, _hand| async move {
+    let ((), board) = usual().run(|mut driver, _hand| async move {
         driver.unlock(&no_clock).await.unwrap();
         for axis in [BoardAxis::X, BoardAxis::Y] {
-            let command = Command::Move { axis, profile: profile(1_000_000) };
-            driver.send(&command, &no_clock).await.unwrap();
+            driver.send(&go(axis, 1_000_000), &no_clock).await.unwrap();
         }
         sleep(Duration::from_secs(1)).await;
         let state = driver.ramp_stop(LONG, &no_clock).await.unwrap();
         assert!(state.status.moving().is_empty() && !state.status.locked());
-        let command = Command::Move { axis: BoardAxis::X, profile: profile(0) };
-        driver.send(&command, &no_clock).await.unwrap();
+        driver.send(&go(BoardAxis::X, 0), &no_clock).await.unwrap();
         assert!(driver.stop_and_lock(&no_clock).await.unwrap().status.locked());
     });
     assert!(board.status().locked());
@@ -189,19 +149,16 @@ fn stops_are_waited_for() {
 
 #[test]
 fn a_stop_is_not_over_while_segments_wait() {
-    let ((), board) = with_usual(|mut driver, hand| async move {
+    let ((), board) = usual().run(|mut driver, hand| async move {
         driver.unlock(&no_clock).await.unwrap();
         // The buffer is frozen: no axis moves, and one will as soon as it is not.
-        let frozen = Event::Condition(Condition::BufferFrozen, true);
-        hand.send(Control::Event(frozen)).await.unwrap();
-        let targets = [Some(5000), None, None, None, None];
-        driver.send(&Command::Interpolated { speed_hz: 1000, targets }, &no_clock).await.unwrap();
+        happen(&hand, Event::Condition(Condition::BufferFrozen, true)).await;
+        driver.send(&segment_of_x(1000, 5000), &no_clock).await.unwrap();
         // As if the board had kept it.
-        hand.send(Control::Event(Event::StuckStatus(true))).await.unwrap();
+        happen(&hand, Event::StuckStatus(true)).await;
         let patience = Duration::from_secs(1);
-        let stopped = driver.ramp_stop(patience, &no_clock).await;
-        assert!(matches!(stopped, Err(DriveError::Unfinished { .. })), "{stopped:?}");
-        hand.send(Control::Event(Event::StuckStatus(false))).await.unwrap();
+        fails(&driver.ramp_stop(patience, &no_clock).await, UNFINISHED);
+        happen(&hand, Event::StuckStatus(false)).await;
         let state = driver.ramp_stop(patience, &no_clock).await.unwrap();
         assert!(state.status.has(Status::BUFFER_EMPTY));
     });
@@ -210,40 +167,34 @@ fn a_stop_is_not_over_while_segments_wait() {
 
 #[test]
 fn homing_ends_well_or_says_which_axes_failed() {
-    let bench = on_bench(vec![switch(1, BoardAxis::X, -9000, -4000)]);
-    let ((), board) = with_bench(bench, |mut driver, _hand| async move {
+    let bench = Bench { cams: vec![switch(1, BoardAxis::X, -9000, -4000)], encoder: None };
+    let ((), board) = Rig { bench, ..usual() }.run(|mut driver, _hand| async move {
         driver.unlock(&no_clock).await.unwrap();
         for (number, value) in [(parameters::home_input(BoardAxis::X), 1), (14, 500)] {
             driver.set_parameter(number, value, LONG, &no_clock).await.unwrap();
         }
-        let x = |stroke| [Some(stroke), None, None, None, None];
-        let state = driver.home_machine(&x(20_000), LONG, &no_clock).await.unwrap();
+        let state = driver.home_machine(&x_only(20_000), LONG, &no_clock).await.unwrap();
         assert_eq!(state.positions[0], 0);
         let y = [None, Some(1000), None, None, None];
-        let failed = driver.home_machine(&y, LONG, &no_clock).await;
-        assert!(
-            matches!(failed, Err(DriveError::HomingFailed { axes: Axes::Letters(2), .. })),
-            "{failed:?}"
-        );
-        let (state, _) = driver.state(&no_clock).await.unwrap();
-        assert!(state.status.has(Status::HOMING_ERROR));
+        fails(&driver.home_machine(&y, LONG, &no_clock).await, |error| {
+            matches!(error, DriveError::HomingFailed { axes: Axes::Letters(2), .. })
+        });
+        assert!(driver.state(&no_clock).await.unwrap().0.status.has(Status::HOMING_ERROR));
         driver.clear_errors(true, false, &no_clock).await.unwrap();
-        let (state, _) = driver.state(&no_clock).await.unwrap();
-        assert!(!state.status.has(Status::HOMING_ERROR));
+        assert!(!driver.state(&no_clock).await.unwrap().0.status.has(Status::HOMING_ERROR));
     });
     assert!((board.mechanical(BoardAxis::X) + 4000.0).abs() <= 1.0);
 }
 
 #[test]
 fn parameters_are_kept_and_checked() {
-    let (all, board) = with_usual(|mut driver, _hand| async move {
+    let (all, board) = usual().run(|mut driver, _hand| async move {
         driver.set_parameter(4, 77, LONG, &no_clock).await.unwrap();
         driver.set_parameter(383, u32::MAX, LONG, &no_clock).await.unwrap();
         // As it is already: nothing is written.
         driver.set_parameter(4, 77, LONG, &no_clock).await.unwrap();
         assert_eq!(driver.parameter(4, &no_clock).await.unwrap(), 77);
-        let none = driver.parameter(384, &no_clock).await;
-        assert!(matches!(none, Err(DriveError::Range { .. })), "{none:?}");
+        fails(&driver.parameter(384, &no_clock).await, RANGE);
         driver.parameters(0, 384, &no_clock).await.unwrap()
     });
     assert_eq!((all.len(), all[4], all[101], all[383]), (384, 77, 115_200, u32::MAX));
@@ -252,44 +203,25 @@ fn parameters_are_kept_and_checked() {
     assert_eq!(again.eeprom(), board.eeprom());
 }
 
-#[test]
-fn an_eeprom_that_fails_is_an_error_of_its_own() {
-    for eeprom_refuses in [true, false] {
-        let assumptions = Assumptions { eeprom_refuses, ..Assumptions::default() };
-        let options = BoardOptions { assumptions, ..BoardOptions::default() };
-        with_options(&options, |mut driver, hand| async move {
-            hand.send(Control::Event(Event::BreakEeprom(true))).await.unwrap();
-            let failed = driver.set_parameter(4, 78, LONG, &no_clock).await;
-            assert!(matches!(failed, Err(DriveError::EepromFailed { .. })), "{failed:?}");
-            hand.send(Control::Event(Event::BreakEeprom(false))).await.unwrap();
-            driver.set_parameter(4, 79, LONG, &no_clock).await.unwrap();
-        });
-    }
-}
-
 /// The number of the exception says nothing: a board that is not locked says so.
 #[test]
 fn a_broken_eeprom_is_no_lock_and_stays_broken_when_asked_again() {
     let usual = Assumptions::default();
     for (locked_exception, eeprom_refuses) in [(Some(4), true), (None, true), (None, false)] {
         let assumptions = Assumptions { locked_exception, eeprom_refuses, ..usual };
-        let options = BoardOptions { assumptions, ..BoardOptions::default() };
-        with_options(&options, |mut driver, hand| async move {
+        Rig::new(assuming(assumptions)).run(|mut driver, hand| async move {
             let clock = &no_clock;
-            let locked = driver.set_output(3, true, clock).await;
-            assert!(matches!(locked, Err(DriveError::Locked { .. })), "{locked:?}");
+            fails(&driver.set_output(3, true, clock).await, LOCKED);
             for unlocked in [false, true] {
                 if unlocked {
                     driver.unlock(clock).await.unwrap();
                 }
-                hand.send(Control::Event(Event::BreakEeprom(true))).await.unwrap();
+                happen(&hand, Event::BreakEeprom(true)).await;
                 // The first leaves the value in RAM, where it reads back.
                 for _ in 0..3 {
-                    let failed = driver.set_parameter(4, 78, LONG, clock).await;
-                    let told = matches!(failed, Err(DriveError::EepromFailed { .. }));
-                    assert!(told, "{assumptions:?}: {failed:?}");
+                    fails(&driver.set_parameter(4, 78, LONG, clock).await, EEPROM_FAILED);
                 }
-                hand.send(Control::Event(Event::BreakEeprom(false))).await.unwrap();
+                happen(&hand, Event::BreakEeprom(false)).await;
                 driver.set_parameter(4, 78, LONG, clock).await.unwrap();
                 driver.set_parameter(4, 77, LONG, clock).await.unwrap();
             }
@@ -301,13 +233,10 @@ fn a_broken_eeprom_is_no_lock_and_stays_broken_when_asked_again() {
 fn inputs_and_outputs_are_those_of_the_board() {
     let link = EncoderLink { axis: BoardAxis::A, counts: 2, steps: 1, counts_per_revolution: 7 };
     let bench = Bench { cams: vec![], encoder: Some(link) };
-    let ((), board) = with_bench(bench, |mut driver, hand| async move {
+    let ((), board) = Rig { bench, ..usual() }.run(|mut driver, hand| async move {
         let clock = &no_clock;
-        for outcome in
-            [driver.set_output(1, true, clock).await, driver.set_analog_output(1, 100, clock).await]
-        {
-            assert!(matches!(outcome, Err(DriveError::Locked { .. })), "{outcome:?}");
-        }
+        fails(&driver.set_output(1, true, clock).await, LOCKED);
+        fails(&driver.set_analog_output(1, 100, clock).await, LOCKED);
         driver.unlock(clock).await.unwrap();
         for (output, on) in [(1, true), (2, true), (3, true), (3, false), (32, true)] {
             driver.set_output(output, on, clock).await.unwrap();
@@ -315,22 +244,16 @@ fn inputs_and_outputs_are_those_of_the_board() {
         assert_eq!(driver.outputs(clock).await.unwrap(), 0x8000_0003);
         driver.set_analog_output(2, 1023, clock).await.unwrap();
         assert_eq!(driver.analog_outputs(clock).await.unwrap(), [0, 1023]);
-        for outcome in [
-            driver.set_output(33, true, clock).await,
-            driver.set_output(0, true, clock).await,
-            driver.set_analog_output(2, 1024, clock).await,
-            driver.set_analog_output(3, 1, clock).await,
-            driver.set_analog_output(0, 1, clock).await,
-        ] {
-            assert!(matches!(outcome, Err(DriveError::Range { .. })), "{outcome:?}");
+        for (output, value) in [(2, 1024), (3, 1), (0, 1)] {
+            fails(&driver.set_analog_output(output, value, clock).await, RANGE);
         }
-        for control in [
-            Control::Event(Event::Input { number: 3, level: true }),
-            Control::Event(Event::Input { number: 20, level: true }),
-            Control::Event(Event::AnalogInput { number: 2, value: 512 }),
-            Control::Event(Event::Pulses { second: true, count: 70_000 }),
+        for event in [
+            Event::Input { number: 3, level: true },
+            Event::Input { number: 20, level: true },
+            Event::AnalogInput { number: 2, value: 512 },
+            Event::Pulses { second: true, count: 70_000 },
         ] {
-            hand.send(control).await.unwrap();
+            happen(&hand, event).await;
         }
         driver.move_axis(BoardAxis::A, &profile(11), LONG, clock).await.unwrap();
         let all = driver.snapshot(clock).await.unwrap();
@@ -347,13 +270,8 @@ fn a_board_is_identified_by_its_parameters() {
     let line = Line { baud: 19_200, ..Line::default() };
     let assumptions = Assumptions { baud_code: crate::BaudCode::Index, ..Assumptions::default() };
     let options = BoardOptions { address: 9, line, assumptions, ..BoardOptions::default() };
-    let settings = |settings: &mut InterpCncOptions| {
-        (settings.address, settings.line) = (9, line);
-    };
-    let (identity, _) =
-        with_board(&options, Bench::default(), settings, |mut driver, _hand| async move {
-            driver.identify(&no_clock).await.unwrap()
-        });
+    let (identity, _) = Rig::new(options)
+        .run(|mut driver, _hand| async move { driver.identify(&no_clock).await.unwrap() });
     assert_eq!((identity.address, identity.speed, identity.parity), (9, 2, 0));
     assert_eq!((identity.line, identity.has_recipes), (Some(line), true));
 }
@@ -363,8 +281,7 @@ fn a_board_with_short_frames_and_long_silence_is_read_piece_by_piece() {
     let silence = Some(Duration::from_millis(5));
     let assumptions =
         Assumptions { most_read: 32, most_written: 40, silence, ..Assumptions::default() };
-    let options = BoardOptions { assumptions, ..BoardOptions::default() };
-    let ((), board) = with_options(&options, |mut driver, _hand| async move {
+    let ((), board) = Rig::new(assuming(assumptions)).run(|mut driver, _hand| async move {
         driver.set_parameter(383, 1234, LONG, &no_clock).await.unwrap();
         let all = driver.parameters(0, 384, &no_clock).await.unwrap();
         assert_eq!((all.len(), all[101], all[383]), (384, 115_200, 1234));

@@ -1,12 +1,13 @@
 //! The encoder against the counter, on a pseudo-terminal: 4 points for 3 steps of X.
 
-use super::terminal::{Plan, open, options};
-use crate::tests::common::wall_clock;
+use super::{
+    common::{WallClock, wall_clock},
+    emulated, switch,
+    terminal::{follow_to_end, open, options, rests, to_and_fro},
+};
 use crate::{
     BoardAxis, EncoderOptions, Following, InterpCncDrive, InterpCncOptions,
-    emulator::{
-        Bench, BoardOptions, Cam, Control, EmulatedBoard, EmulatorOptions, EncoderLink, Event,
-    },
+    emulator::{Bench, BoardOptions, Control, EmulatedBoard, EmulatorOptions, EncoderLink, Event},
 };
 use twin_drives::{
     Axes, Direction, Drive, DriveError, FaultRule, ParameterId, SetpointStream, When, WireFault,
@@ -25,26 +26,24 @@ fn strict() -> InterpCncOptions {
 
 /// A board with that encoder, and a home switch of X at −500.
 fn started(link: EncoderLink) -> EmulatedBoard {
-    let cam =
-        Cam { input: 1, axis: BoardAxis::X, from: i32::MIN, to: -500, normally_closed: false };
-    let bench = Bench { cams: vec![cam], encoder: Some(link) };
-    let options = EmulatorOptions { bench, ..EmulatorOptions::default() };
-    EmulatedBoard::start(&options, wall_clock()).unwrap()
+    let cams = vec![switch(1, BoardAxis::X, i32::MIN, -500)];
+    let bench = Bench { cams, encoder: Some(link) };
+    emulated(&EmulatorOptions { bench, ..EmulatorOptions::default() })
 }
 
 fn enabled(board: &EmulatedBoard, options: &InterpCncOptions) -> InterpCncDrive {
     let mut drive = open(board, options);
-    drive.probe(&Plan { clock: wall_clock(), start_ns: 0 }).unwrap();
+    drive.probe(&WallClock::new()).unwrap();
     drive.enable().unwrap();
     drive
 }
 
-fn rests(drive: &mut InterpCncDrive, stream: &dyn SetpointStream) -> Result<[i64; 5], DriveError> {
-    loop {
-        let sample = drive.sample(stream)?;
-        if !sample.moving {
-            return Ok(sample.position);
-        }
+/// Homing of X: input 1, speed, acceleration, start and stop frequency, speed off the switch, and the counter to 0.
+const HOMING: [(u16, i64); 6] = [(29, 1), (12, 5000), (13, 500), (14, 400), (15, 500), (128, 1)];
+
+fn set_parameters(drive: &mut InterpCncDrive, values: &[(u16, i64)]) {
+    for (number, value) in values.iter().copied() {
+        drive.set_parameter(ParameterId { address: 0, number }, value).unwrap();
     }
 }
 
@@ -67,17 +66,6 @@ fn differs(told: &DriveError) -> (i64, i64) {
     }
 }
 
-/// Follows a plan to its end, and goes on looking for a while.
-fn follows(drive: &mut InterpCncDrive, stream: &dyn SetpointStream) -> Result<(), DriveError> {
-    let mut resting = 0;
-    while resting < 20 {
-        let sample = drive.follow(stream)?;
-        let over = sample.time_ns > 1_600_000_000 && !sample.moving;
-        resting = if over { resting + 1 } else { 0 };
-    }
-    Ok(())
-}
-
 /// Full speed, both ways, turns in flight, plans by both ways of following, homing and another zero; then with answers that come
 /// late.
 #[test]
@@ -94,7 +82,7 @@ fn a_shaft_that_follows_is_never_doubted() {
             let rule = FaultRule { direction: Direction::Answer, when: When::Every(3), fault };
             board.control(Control::Fault(rule)).unwrap();
         }
-        let mut stream = Plan { clock, start_ns: i64::MAX / 2 };
+        let mut stream = to_and_fro(clock, i64::MAX / 2);
         for target in [60_000, -300, 7] {
             drive.move_to(&[target, -target, 0, 0, 0], &FAST).unwrap();
             assert_eq!(rests(&mut drive, &stream).unwrap()[0], target);
@@ -105,9 +93,7 @@ fn a_shaft_that_follows_is_never_doubted() {
         drive.move_to(&[0; 5], &FAST).unwrap();
         rests(&mut drive, &stream).unwrap();
 
-        for (number, value) in [(29, 1), (12, 5000), (13, 500), (14, 400), (15, 500), (128, 1)] {
-            drive.set_parameter(ParameterId { address: 0, number }, value).unwrap();
-        }
+        set_parameters(&mut drive, &HOMING);
         drive.begin_homing(&[Some(20_000), None, None, None, None]).unwrap();
         assert_eq!(rests(&mut drive, &stream).unwrap()[0], 0);
         assert_eq!(drive.homed().unwrap()[0], Some(true));
@@ -115,7 +101,7 @@ fn a_shaft_that_follows_is_never_doubted() {
         drive.set_position(&[0; 5]).unwrap();
         assert_eq!(begins.position[0], 0);
         stream.start_ns = clock() + 100_000_000;
-        follows(&mut drive, &stream).unwrap();
+        follow_to_end(&mut drive, &stream).unwrap();
         drive.move_to(&[100_000, 0, 0, 0, 0], &FAST).unwrap();
         drive.sample(&stream).unwrap();
         drive.soft_stop().unwrap();
@@ -131,19 +117,15 @@ fn a_shaft_that_follows_segments_is_never_doubted() {
     let following = Following::Buffered { start_stop_hz: 2000, acceleration_khz_per_s: 1000 };
     let mut options = InterpCncOptions { following, ..strict() };
     // The ramps of segments are the board's (parameters 4 and 5).
-    for axis in &mut options.axes {
-        axis.start_stop_hz = 2000;
-    }
+    options.axes.iter_mut().for_each(|axis| axis.start_stop_hz = 2000);
     let mut drive = open(&board, &options);
-    for (number, value) in [(4, 1000), (5, 2000)] {
-        drive.set_parameter(ParameterId { address: 0, number }, value).unwrap();
-    }
+    set_parameters(&mut drive, &[(4, 1000), (5, 2000)]);
     drive.enable().unwrap();
-    let stream = Plan { clock, start_ns: clock() + 100_000_000 };
-    follows(&mut drive, &stream).unwrap();
+    let stream = to_and_fro(clock, clock() + 100_000_000);
+    follow_to_end(&mut drive, &stream).unwrap();
     stall(&board, true);
-    let stream = Plan { clock, start_ns: clock() + 100_000_000 };
-    differs(&follows(&mut drive, &stream).unwrap_err());
+    let stream = to_and_fro(clock, clock() + 100_000_000);
+    differs(&follow_to_end(&mut drive, &stream).unwrap_err());
     drive.soft_stop().unwrap();
     board.stop().unwrap();
 }
@@ -155,7 +137,7 @@ fn a_held_shaft_is_told_on_its_way_and_where_it_is_stopped() {
     let mut options = strict();
     options.encoder.iter_mut().for_each(|encoder| encoder.tolerance = 30);
     let mut drive = enabled(&board, &options);
-    let mut stream = Plan { clock, start_ns: i64::MAX / 2 };
+    let mut stream = to_and_fro(clock, i64::MAX / 2);
     drive.sample(&stream).unwrap();
     stall(&board, true);
     drive.move_to(&[400, 400, 0, 0, 0], &FAST).unwrap();
@@ -209,14 +191,10 @@ fn a_held_shaft_is_told_while_it_homes_and_is_not_home() {
     let clock = wall_clock();
     let board = started(LINK);
     let mut options = strict();
-    for axis in &mut options.axes {
-        axis.max_speed_hz = 5000;
-    }
+    options.axes.iter_mut().for_each(|axis| axis.max_speed_hz = 5000);
     let mut drive = enabled(&board, &options);
-    let stream = Plan { clock, start_ns: i64::MAX / 2 };
-    for (number, value) in [(29, 1), (12, 5000), (13, 500), (14, 400), (15, 500), (128, 1)] {
-        drive.set_parameter(ParameterId { address: 0, number }, value).unwrap();
-    }
+    let stream = to_and_fro(clock, i64::MAX / 2);
+    set_parameters(&mut drive, &HOMING);
     stall(&board, true);
     drive.begin_homing(&[Some(200_000), None, None, None, None]).unwrap();
     let told = rests(&mut drive, &stream).unwrap_err();
@@ -230,7 +208,7 @@ fn a_held_shaft_is_told_while_it_homes_and_is_not_home() {
 #[test]
 fn an_encoder_that_counts_the_wrong_way_or_is_broken_is_told() {
     let clock = wall_clock();
-    let stream = Plan { clock, start_ns: i64::MAX / 2 };
+    let stream = to_and_fro(clock, i64::MAX / 2);
     let board = started(EncoderLink { counts: -4, ..LINK });
     let mut drive = enabled(&board, &strict());
     drive.move_to(&[3000, 0, 0, 0, 0], &FAST).unwrap();
@@ -253,8 +231,7 @@ fn an_encoder_that_counts_the_wrong_way_or_is_broken_is_told() {
 fn an_older_board_is_refused_with_an_encoder_alone() {
     let board = BoardOptions { counts: false, ..BoardOptions::default() };
     let options = EmulatorOptions { board, ..EmulatorOptions::default() };
-    let board = EmulatedBoard::start(&options, wall_clock()).unwrap();
-    let stream = Plan { clock: wall_clock(), start_ns: 0 };
+    let (board, stream) = (emulated(&options), WallClock::new());
     let told = open(&board, &strict()).probe(&stream).unwrap_err();
     let said = told.to_string();
     assert!(matches!(told, DriveError::Unsupported { .. }), "{said}");

@@ -1,17 +1,18 @@
 //! The vectors of the digest in both directions, by number: the driver produces its requests and understands their
 //! answers, the emulated board takes the requests and gives the answers. A vector that is not exercised is a failure.
 
-use std::{collections::BTreeSet, sync::Arc};
+use std::collections::BTreeSet;
 
-use tokio::io::{AsyncReadExt, AsyncWriteExt, duplex};
-
-use crate::Exception;
-use crate::protocol::frame::seal;
-use crate::tests::common::fault_of;
+use super::{
+    common::fault_of,
+    go, profile, unlocked,
+    wire::{answered, attached, run},
+    x_only,
+};
 use crate::{
-    AxisMask, AxisOptions, BoardAxis, Command, InterpCnc, InterpCncOptions, MoveProfile,
-    emulator::{Board, BoardOptions},
+    AxisMask, AxisValues, BoardAxis, Command, Exception, InterpCnc, MoveProfile,
     protocol::{
+        frame::seal,
         registers::Status,
         vectors::{VECTORS, bytes, frame, vector},
     },
@@ -48,15 +49,11 @@ impl Ledger {
 
     fn assert_complete(&self, who: &str, unsent: &[usize]) {
         let left = |all: &[usize], done: &BTreeSet<usize>| {
-            let left = all.iter().copied().filter(|number| !done.contains(number));
-            left.filter(|number| !unsent.contains(number)).collect::<Vec<_>>()
+            let open = |number: &usize| !done.contains(number) && !unsent.contains(number);
+            all.iter().copied().filter(open).collect::<Vec<_>>()
         };
-        let requests = left(&REQUESTS, &self.requests);
-        let answers = left(&ANSWERS, &self.answers);
-        assert!(
-            requests.is_empty() && answers.is_empty(),
-            "{who}: requests {requests:?} and answers {answers:?} have not been exercised"
-        );
+        let left = (left(&REQUESTS, &self.requests), left(&ANSWERS, &self.answers));
+        assert_eq!(left, (vec![], vec![]), "{who}: requests and answers not exercised");
     }
 }
 
@@ -71,52 +68,43 @@ fn drive<T>(
     script: &[(Vec<u8>, Vec<u8>)],
     call: impl AsyncFnOnce(&mut InterpCnc) -> T,
 ) -> T {
-    let runtime =
-        tokio::runtime::Builder::new_current_thread().enable_time().start_paused(true).build();
-    runtime.unwrap().block_on(async {
-        let (near, mut far) = duplex(4096);
-        let options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
-        let mut driver = InterpCnc::attach(Arc::from("wire"), near, &options);
+    run(async {
+        let (mut driver, mut far) = attached(1000, 1);
         let board = async {
             for (expected, answer) in script {
-                let mut buffer = [0; 256];
-                let count = far.read(&mut buffer).await.unwrap();
-                assert_eq!(buffer[..count], expected[..]);
-                far.write_all(answer).await.unwrap();
+                assert_eq!(answered(&mut far, answer).await, *expected);
+                ledger.note(expected, answer);
             }
         };
-        let ((), outcome) = tokio::join!(board, call(&mut driver));
-        for (request, answer) in script {
-            ledger.note(request, answer);
-        }
-        outcome
+        tokio::join!(board, call(&mut driver)).1
     })
 }
 
-fn two(second: BoardAxis, x: i32, other: i32) -> [Option<i32>; 5] {
-    let mut values = [None; 5];
-    values[0] = Some(x);
+fn two(second: BoardAxis, x: i32, other: i32) -> AxisValues {
+    let mut values = x_only(x);
     values[second.index()] = Some(other);
     values
 }
 
-fn x_only(value: i32) -> [Option<i32>; 5] {
-    [Some(value), None, None, None, None]
-}
-
-fn go_x(speed_hz: u32, target: i32) -> Command {
-    let profile = MoveProfile {
-        start_stop_hz: 200,
-        acceleration_khz_per_s: 50,
-        speed_hz,
+pub(super) fn slow_home(axis: BoardAxis, final_position: i32) -> Command {
+    Command::HomeAxis {
+        axis,
+        input: 5,
+        contact: 0,
+        acceleration_khz_per_s: 20,
+        fast_hz: 4000,
         deceleration_khz_per_s: 40,
-        target,
-    };
-    Command::Move { axis: BoardAxis::X, profile }
+        max_stroke: -60_000,
+        slow_hz: 300,
+        final_position,
+    }
 }
 
-fn probe() -> Command {
-    Command::Probe {
+/// The commands and their vectors.
+pub(super) fn commands() -> Vec<(usize, Command)> {
+    let fast = MoveProfile { speed_hz: 150_000, ..profile(-5000) };
+    let all = [Some(1), Some(2), Some(3), Some(4), Some(-5)];
+    let probe = Command::Probe {
         axes: BoardAxis::Z.mask(),
         positive: false,
         input: 3,
@@ -126,43 +114,23 @@ fn probe() -> Command {
         start_stop_hz: 100,
         acceleration_khz_per_s: 50,
         deceleration_khz_per_s: 100,
-    }
-}
-
-fn home_x() -> Command {
-    Command::HomeAxis {
-        axis: BoardAxis::X,
-        input: 5,
-        contact: 0,
-        acceleration_khz_per_s: 20,
-        fast_hz: 4000,
-        deceleration_khz_per_s: 40,
-        max_stroke: -60_000,
-        slow_hz: 300,
-        final_position: 0,
-    }
-}
-
-/// The commands and their vectors.
-fn commands() -> Vec<(usize, Command)> {
-    let stop = AxisMask::from_bits(0b11);
-    let all = [Some(1), Some(2), Some(3), Some(4), Some(-5)];
+    };
     vec![
         (1, Command::Reset { unlock: true, homing_error: false, probe_error: false }),
         (3, Command::HomeMachine { max_strokes: two(BoardAxis::Y, 10_000, 20_000) }),
         (4, Command::HomeMachine { max_strokes: two(BoardAxis::Z, 10_000, 20_000) }),
-        (5, probe()),
+        (5, probe),
         (7, Command::WritePosition { positions: x_only(1000) }),
         (8, Command::WritePosition { positions: two(BoardAxis::Z, 1000, 0) }),
         (9, Command::ChangeSpeed { axes: BoardAxis::X.mask(), speed_hz: 10_000 }),
         // Vector 10, the manual's example of 96 as printed, sets a counter: no other command makes it.
         (10, Command::WritePosition { positions: x_only(10_000) }),
-        (11, go_x(20_000, 100_000)),
-        (12, go_x(150_000, -5000)),
+        (11, go(BoardAxis::X, 100_000)),
+        (12, Command::Move { axis: BoardAxis::X, profile: fast }),
         (13, Command::Interpolated { speed_hz: 5000, targets: two(BoardAxis::Z, 1000, -2000) }),
         (14, Command::Interpolated { speed_hz: 5000, targets: all }),
-        (15, home_x()),
-        (16, Command::RampStopAxes { axes: stop }),
+        (15, slow_home(BoardAxis::X, 0)),
+        (16, Command::RampStopAxes { axes: AxisMask::from_bits(0b11) }),
         (17, Command::RampStop),
         (18, Command::Stop),
     ]
@@ -171,20 +139,31 @@ fn commands() -> Vec<(usize, Command)> {
 #[test]
 fn the_driver_produces_its_requests_and_understands_their_answers() {
     let mut ledger = Ledger::default();
+    let mut sent = |number, command: &Command, answer| {
+        let script = [(vector(number), answer)];
+        drive(&mut ledger, &script, async |driver| driver.send(command, &no_clock).await)
+    };
     for (number, command) in commands() {
-        let request = vector(number);
-        let script = [(request.clone(), confirmed(&request))];
-        let sent =
-            drive(&mut ledger, &script, async |driver| driver.send(&command, &no_clock).await);
-        assert!(sent.is_ok(), "vector {number}: {sent:?}");
+        let done = sent(number, &command, confirmed(&vector(number)));
+        assert!(done.is_ok(), "vector {number}: {done:?}");
     }
-    // 20, 21: state.
-    let script = [(vector(20), vector(21))];
-    let state = drive(&mut ledger, &script, async |driver| driver.state(&no_clock).await);
-    let (state, _) = state.unwrap();
-    assert_eq!(state.positions, [100_000, -1, 0, 0, 0]);
-    assert_eq!(state.status, Status(0x0040_0020));
-    assert_eq!(state.status.moving(), BoardAxis::X.mask());
+    // 29: a refused write.
+    let command = go(BoardAxis::X, 100_000);
+    assert_eq!(fault_of(&sent(11, &command, vector(29))), Some(&Exception(2)));
+    // 30: refuses a function that this driver never sends; it is not an answer to another.
+    let foreign = sent(11, &command, vector(30));
+    let Err(DriveError::Protocol { fault, .. }) = foreign else { panic!("{foreign:?}") };
+    assert_eq!(fault, ProtocolFault::Function { sent: 16, received: 0x17 });
+    // 20, 21: state; 31: a refused read.
+    let mut state = |answer| {
+        let script = [(vector(20), vector(answer))];
+        drive(&mut ledger, &script, async |driver| driver.state(&no_clock).await)
+    };
+    let (shown, _) = state(21).unwrap();
+    assert_eq!(shown.positions, [100_000, -1, 0, 0, 0]);
+    assert_eq!(shown.status, Status(0x0040_0020));
+    assert_eq!(shown.status.moving(), BoardAxis::X.mask());
+    assert_eq!(fault_of(&state(31)), Some(&Exception(3)));
     // 24: OUT1 on, read back.
     let read = seal(bytes("01 01 01 00 00 01"));
     let script = [(vector(24), vector(24)), (read, seal(bytes("01 01 01 01")))];
@@ -194,95 +173,41 @@ fn the_driver_produces_its_requests_and_understands_their_answers() {
     let script = [(vector(27), vector(28))];
     let speed = drive(&mut ledger, &script, async |driver| driver.parameter(101, &no_clock).await);
     assert_eq!(speed.unwrap(), 115_200);
-    // 29: a refused write.
-    let script = [(vector(11), vector(29))];
-    let command = go_x(20_000, 100_000);
-    let refused =
-        drive(&mut ledger, &script, async |driver| driver.send(&command, &no_clock).await);
-    assert!(matches!(fault_of(&refused), Some(Exception(2))), "{refused:?}");
-    // 30: refuses a function that this driver never sends; it is no answer to another.
-    let script = [(vector(11), vector(30))];
-    let foreign =
-        drive(&mut ledger, &script, async |driver| driver.send(&command, &no_clock).await);
-    let fault = ProtocolFault::Function { sent: 16, received: 0x17 };
-    assert!(
-        matches!(&foreign, Err(DriveError::Protocol { fault: found, .. }) if *found == fault),
-        "{foreign:?}"
-    );
-    // 31: a refused read.
-    let script = [(vector(20), vector(31))];
-    let refused = drive(&mut ledger, &script, async |driver| driver.state(&no_clock).await);
-    assert!(matches!(fault_of(&refused), Some(Exception(3))), "{refused:?}");
     ledger.assert_complete("driver", &UNSENT);
 }
 
 #[test]
 fn the_board_takes_every_request_and_gives_every_answer() {
     let mut ledger = Ledger::default();
-    let unlocked = || {
-        let mut board = Board::new(&BoardOptions::default());
-        assert_eq!(board.handle(&vector(1)), Some(vector(2)));
-        board
-    };
-    // Each command on a board of its own; what it does is asserted here or, at length, in the emulator's own tests.
+    // Each command on a board of its own; the emulator's own tests assert what it does.
     for (number, command) in commands() {
         let request = vector(number);
         assert_eq!(frame(&command), request, "vector {number}");
-        let mut board = if number == 1 { Board::new(&BoardOptions::default()) } else { unlocked() };
-        let running = matches!(number, 9 | 12 | 16..=18);
-        if running {
-            board.handle(&vector(11)).unwrap();
-            board.advance(1_000_000_000);
-        }
-        let answer = board.handle(&request).unwrap();
+        let answer = unlocked().handle(&request).unwrap();
         assert_eq!(answer, confirmed(&request), "vector {number}");
         ledger.note(&request, &answer);
-        // 60000 steps at 300 Hz off a switch that is never left take 200 s.
-        board.advance(400_000_000_000);
-        let (status, counters) = (board.status(), board.counters());
-        let x = counters[0];
-        let homing = board.extended_status() >> 18;
-        let done = match number {
-            1 => !status.locked(),
-            // No switch is connected: homing fails.
-            3 | 4 => status.has(Status::HOMING_ERROR) && counters == [0; 5],
-            5 => status.probe_failed() && counters == [0, 0, -10_000, 0, 0],
-            7 | 8 => counters == [1000, 0, 0, 0, 0],
-            9 | 11 => x == 100_000,
-            10 => x == 10_000,
-            12 => x == -5000,
-            13 => counters == [1000, 0, -2000, 0, 0],
-            14 => counters == [1, 2, 3, 4, -5],
-            // A normally closed contact that nothing closes: the axis is on its switch, and never leaves it.
-            15 => homing == 0b10 && x == 60_000,
-            16 | 17 => x > 16_000 && x < 22_000 && !status.locked(),
-            18 => x > 16_000 && x < 17_000 && status.locked(),
-            _ => false,
-        };
-        assert!(done, "vector {number}: {status:?} {counters:?} {homing:b}");
-        assert!(status.moving().is_empty(), "vector {number}");
     }
-    let mut exchange = |board: &mut Board, request: &[u8], expected: &[u8]| {
-        let answer = board.handle(request).unwrap();
-        assert_eq!(answer, expected);
-        ledger.note(request, &answer);
-    };
     let mut board = unlocked();
-    exchange(&mut board, &vector(19), &vector(19));
     let positions = [Some(100_000), Some(-1), Some(0), Some(0), Some(0)];
     board.send(&Command::WritePosition { positions }).unwrap();
-    board.send(&go_x(20_000, 200_000)).unwrap();
-    exchange(&mut board, &vector(20), &vector(21));
-    exchange(&mut board, &vector(22), &vector(23));
-    exchange(&mut board, &vector(24), &vector(24));
-    exchange(&mut board, &vector(25), &confirmed(&vector(25)));
+    board.send(&go(BoardAxis::X, 200_000)).unwrap();
+    for (request, expected) in [
+        (vector(20), vector(21)),
+        (vector(22), vector(23)),
+        (vector(24), vector(24)),
+        (vector(25), confirmed(&vector(25))),
+        (vector(26), seal(bytes("01 01 01 00"))),
+        (vector(27), vector(28)),
+        (seal(bytes("01 10 1B 58 00 01 02 00 00")), vector(29)),
+        (seal(bytes("01 17 10 00 00 01 10 00 00 01 02 00 00")), vector(30)),
+        (seal(bytes("01 04 04 00 00 00")), vector(31)),
+        (vector(19), vector(19)),
+    ] {
+        let answer = board.handle(&request).unwrap();
+        assert_eq!(answer, expected);
+        ledger.note(&request, &answer);
+    }
     assert_eq!(board.outputs(), 0x0A5);
-    exchange(&mut board, &vector(26), &seal(bytes("01 01 01 00")));
-    exchange(&mut board, &vector(27), &vector(28));
-    exchange(&mut board, &seal(bytes("01 10 1B 58 00 01 02 00 00")), &vector(29));
-    let read_write = seal(bytes("01 17 10 00 00 01 10 00 00 01 02 00 00"));
-    exchange(&mut board, &read_write, &vector(30));
-    exchange(&mut board, &seal(bytes("01 04 04 00 00 00")), &vector(31));
     ledger.assert_complete("board", &[]);
 }
 

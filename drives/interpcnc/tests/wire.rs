@@ -7,24 +7,23 @@ use tokio::{
     time::sleep,
 };
 
-use crate::Exception;
-use crate::tests::common::fault_of;
+use super::{LOCKED, LOST, RANGE, TIMEOUT, common::fault_of, fails, go, profile};
 use crate::{
-    AxisMask, AxisOptions, BoardAxis, Command, InterpCnc, InterpCncOptions, MoveProfile,
-    protocol::frame::seal,
+    AxisMask, AxisOptions, BoardAxis, Command, Exception, InterpCnc, InterpCncOptions, MoveProfile,
     protocol::{
+        frame::seal,
         registers::Status,
         vectors::{bytes, vector},
     },
 };
 use twin_drives::{Action, DriveError, ProtocolFault, no_clock};
 
-fn run<T>(test: impl Future<Output = T>) -> T {
+pub(super) fn run<T>(test: impl Future<Output = T>) -> T {
     tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(test)
 }
 
 /// A driver of address 1 and the other end of its wire.
-fn attached(deadline_ms: u64, worst_latency_ms: u64) -> (InterpCnc, DuplexStream) {
+pub(super) fn attached(deadline_ms: u64, worst_latency_ms: u64) -> (InterpCnc, DuplexStream) {
     let (near, far) = duplex(4096);
     let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
     options.deadline = Duration::from_millis(deadline_ms);
@@ -50,29 +49,20 @@ async fn unanswered(mut far: DuplexStream) -> Vec<Vec<u8>> {
     }
 }
 
-/// Sends `command`, answered with `answer`; the request and the outcome.
-fn exchange(command: Command, answer: &[u8]) -> (Vec<u8>, Result<(), DriveError>) {
-    run(async {
-        let (mut driver, mut far) = attached(1000, 1);
-        let board = async {
-            let request = request(&mut far).await;
-            far.write_all(answer).await.unwrap();
-            request
-        };
-        let (request, outcome) = tokio::join!(board, driver.send(&command, &no_clock));
-        (request, outcome.map(|_| ()))
-    })
+/// Answers the next request, which it gives.
+pub(super) async fn answered(far: &mut DuplexStream, answer: &[u8]) -> Vec<u8> {
+    let request = request(far).await;
+    far.write_all(answer).await.unwrap();
+    request
 }
 
-fn move_x(speed_hz: u32, target: i32) -> Command {
-    let profile = MoveProfile {
-        start_stop_hz: 200,
-        acceleration_khz_per_s: 50,
-        speed_hz,
-        deceleration_khz_per_s: 40,
-        target,
-    };
-    Command::Move { axis: BoardAxis::X, profile }
+/// Sends `command`, answered with `answer`.
+fn exchange(command: &Command, answer: &[u8]) -> Result<(), DriveError> {
+    run(async {
+        let (mut driver, mut far) = attached(1000, 1);
+        let board = answered(&mut far, answer);
+        tokio::join!(board, driver.send(command, &no_clock)).1.map(|_| ())
+    })
 }
 
 /// Sent at 0, 8 bytes until 0.694 ms, 29 of an answer from 3.483 ms on, there at 6 ms: executed in the middle.
@@ -99,25 +89,23 @@ fn exchanges_are_stamped_in_their_middle() {
 
 #[test]
 fn an_exception_is_an_error_with_its_code_and_command() {
-    let (_, outcome) = exchange(move_x(20_000, 5), &vector(29));
+    let outcome = exchange(&go(BoardAxis::X, 5), &vector(29));
     assert_eq!(fault_of(&outcome), Some(&Exception(2)));
     let error = outcome.unwrap_err();
-    let at = error.at();
-    assert_eq!(
-        (at.address, at.action),
-        (1, Action::Command { number: 80, name: "independent move" })
-    );
+    let action = Action::Command { number: 80, name: "independent move" };
+    assert_eq!((error.at().address, error.at().action), (1, action));
     assert_eq!(
         error.to_string(),
         "wire, address 1: command 80 (independent move): refused with exception 2, invalid address"
     );
 }
 
-/// The answer to a question for the state, all axes at 0.
-fn state_with(status: u32) -> Vec<u8> {
+/// The answer to a question for the state.
+fn state(status: u32, x: i32) -> Vec<u8> {
     let mut answer = vec![1, 4, 24];
     answer.extend(status.to_be_bytes());
-    answer.extend([0; 20]);
+    answer.extend(x.to_be_bytes());
+    answer.extend([0; 16]);
     seal(answer)
 }
 
@@ -126,13 +114,10 @@ fn state_with(status: u32) -> Vec<u8> {
 fn a_stop_by_hand_outlasts_a_move_that_arrives_late() {
     run(async {
         let (mut driver, mut far) = attached(1000, 30);
-        {
-            let command = move_x(20_000, 5);
-            let moving = driver.send(&command, &no_clock);
-            tokio::select! {
-                _ = moving => panic!("nobody answers"),
-                () = sleep(Duration::from_millis(10)) => {}
-            }
+        let command = go(BoardAxis::X, 5);
+        tokio::select! {
+            _ = driver.send(&command, &no_clock) => panic!("nobody answers"),
+            () = sleep(Duration::from_millis(10)) => {}
         }
         assert_eq!(request(&mut far).await[8], 80);
         let board = async {
@@ -147,7 +132,7 @@ fn a_stop_by_hand_outlasts_a_move_that_arrives_late() {
                     seal(asked[..6].to_vec())
                 } else {
                     heard.push(0);
-                    state_with(Status::BUFFER_EMPTY)
+                    state(Status::BUFFER_EMPTY, 0)
                 };
                 far.write_all(&answer).await.unwrap();
             }
@@ -178,33 +163,37 @@ fn the_exception_of_a_locked_board_is_told_as_such_where_it_is_known() {
             let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
             options.assumptions.locked_exception = known;
             let mut driver = InterpCnc::attach(Arc::from("wire"), near, &options);
-            let command = move_x(20_000, 5);
+            let command = go(BoardAxis::X, 5);
             let board = async {
-                request(&mut far).await;
-                far.write_all(&seal(refused.to_vec())).await.unwrap();
+                answered(&mut far, &seal(refused.to_vec())).await;
                 if known == Some(6) {
-                    assert_eq!(request(&mut far).await[1], 4);
-                    far.write_all(&state_with(status)).await.unwrap();
+                    assert_eq!(answered(&mut far, &state(status, 0)).await[1], 4);
                 }
             };
             tokio::join!(driver.send(&command, &no_clock), board).0.unwrap_err()
         });
-        let as_locked = matches!(told, DriveError::Locked { .. });
-        let as_refused = matches!(told.fault(), Some(Exception(6)));
-        assert_eq!((as_locked, as_refused), (locked, !locked), "{known:?}: {told}");
+        let as_refused = told.fault() == Some(&Exception(6));
+        assert_eq!((LOCKED(&told), as_refused), (locked, !locked), "{known:?}: {told}");
     }
 }
 
 #[test]
 fn values_beyond_the_board_are_not_sent() {
+    let profile = MoveProfile { speed_hz: 200_001, ..profile(5) };
+    let too_fast = Command::Move { axis: BoardAxis::X, profile };
+    let at_rest = Command::ChangeSpeed { axes: AxisMask::ALL, speed_hz: 0 };
     run(async {
         let (mut driver, far) = attached(1000, 1);
-        let too_fast = driver.send(&move_x(200_001, 5), &no_clock).await;
-        assert!(matches!(too_fast, Err(DriveError::Range { register: 4100, .. })), "{too_fast:?}");
-        let standing = driver
-            .send(&Command::ChangeSpeed { axes: AxisMask::ALL, speed_hz: 0 }, &no_clock)
-            .await;
-        assert!(matches!(standing, Err(DriveError::Range { register: 4098, .. })), "{standing:?}");
+        for (command, expected) in [(too_fast, 4100), (at_rest, 4098)] {
+            let Err(DriveError::Range { register, .. }) = driver.send(&command, &no_clock).await
+            else {
+                panic!("{command:?}")
+            };
+            assert_eq!(register, expected);
+        }
+        for output in [0, 33, 255] {
+            fails(&driver.set_output(output, true, &no_clock).await, RANGE);
+        }
         drop(driver);
         assert!(unanswered(far).await.is_empty());
     });
@@ -215,8 +204,7 @@ async fn state_from(answer: &[u8], deadline_ms: u64) -> Result<Status, DriveErro
     let (mut driver, mut far) = attached(deadline_ms, 1);
     let board = async {
         loop {
-            request(&mut far).await;
-            far.write_all(answer).await.unwrap();
+            answered(&mut far, answer).await;
         }
     };
     tokio::select! {
@@ -226,77 +214,51 @@ async fn state_from(answer: &[u8], deadline_ms: u64) -> Result<Status, DriveErro
 }
 
 #[test]
-fn every_truncated_answer_is_a_timeout() {
-    run(async {
-        let answer = vector(21);
-        for length in 0..answer.len() {
-            let outcome = state_from(&answer[..length], 5).await;
-            assert!(
-                matches!(outcome, Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })),
-                "{length} bytes: {outcome:?}"
-            );
-        }
-    });
-}
-
-#[test]
-fn every_corrupted_answer_is_refused() {
-    run(async {
-        let answer = vector(21);
-        for place in 0..answer.len() {
-            for bit in [0x01, 0x80] {
-                let mut wrong = answer.clone();
-                wrong[place] ^= bit;
-                let outcome = state_from(&wrong, 5).await;
-                assert!(
-                    matches!(
-                        outcome,
-                        Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
-                    ),
-                    "byte {place} ^ {bit}: {outcome:?}"
-                );
-            }
-        }
-    });
+fn every_truncated_or_corrupted_answer_is_refused() {
+    let answer = vector(21);
+    let cut = |length: usize| (format!("{length} bytes"), answer[..length].to_vec());
+    let corrupted = |place: usize| {
+        [0x01, 0x80].map(|bit| {
+            let mut wrong = answer.clone();
+            wrong[place] ^= bit;
+            (format!("byte {place} ^ {bit}"), wrong)
+        })
+    };
+    let places = 0..answer.len();
+    for (name, wrong) in places.clone().map(cut).chain(places.flat_map(corrupted)) {
+        let outcome = run(state_from(&wrong, 5));
+        assert!(outcome.as_ref().is_err_and(LOST), "{name}: {outcome:?}");
+    }
 }
 
 #[test]
 fn an_answer_from_elsewhere_is_named() {
-    run(async {
-        let foreign = seal([&[2], &vector(21)[1..27]].concat());
-        let outcome = state_from(&foreign, 1000).await;
-        let fault = |outcome: Result<Status, DriveError>| match outcome {
-            Err(DriveError::Protocol { fault, .. }) => fault,
-            other => panic!("{other:?}"),
-        };
-        assert_eq!(fault(outcome), ProtocolFault::Station);
-        let outcome = state_from(&vector(2), 1000).await;
-        assert_eq!(fault(outcome), ProtocolFault::Function { sent: 4, received: 16 });
-        let short = seal(bytes("01 04 02 00 40"));
-        assert_eq!(
-            fault(state_from(&short, 1000).await),
-            ProtocolFault::Length { expected: 12, received: 1 }
-        );
-    });
+    let asked = |answer: &[u8]| run(state_from(answer, 1000)).map(|_| ());
+    let foreign = seal([&[2], &vector(21)[1..27]].concat());
+    let short = seal(bytes("01 04 02 00 40"));
     // Two registers are confirmed where nine were written.
-    let (_, outcome) = exchange(move_x(20_000, 5), &vector(2));
-    let fault = match outcome {
-        Err(DriveError::Protocol { fault, .. }) => fault,
-        other => panic!("{other:?}"),
-    };
-    let expected = ProtocolFault::Confirmation {
+    let confirmed = exchange(&go(BoardAxis::X, 5), &vector(2));
+    let confirmation = ProtocolFault::Confirmation {
         address: 4096,
         count: 9,
         confirmed_address: 4096,
         confirmed_count: 2,
     };
-    assert_eq!(fault, expected);
+    for (outcome, expected) in [
+        (asked(&foreign), ProtocolFault::Station),
+        (asked(&vector(2)), ProtocolFault::Function { sent: 4, received: 16 }),
+        (asked(&short), ProtocolFault::Length { expected: 12, received: 1 }),
+        (confirmed, confirmation),
+    ] {
+        let Err(DriveError::Protocol { fault, .. }) = outcome else { panic!("{outcome:?}") };
+        assert_eq!(fault, expected);
+    }
 }
 
 #[test]
 fn only_what_may_be_repeated_is_repeated() {
     for (command, times) in [
-        (move_x(20_000, 5), 1),
+        (go(BoardAxis::X, 5), 1),
         (Command::WritePosition { positions: [Some(1); 5] }, 1),
         (Command::ChangeSpeed { axes: AxisMask::ALL, speed_hz: 9 }, 1),
         (Command::Reset { unlock: true, homing_error: false, probe_error: false }, 2),
@@ -306,20 +268,12 @@ fn only_what_may_be_repeated_is_repeated() {
         run(async {
             let (mut driver, far) = attached(10, 1);
             let sending = async move {
-                let outcome = driver.send(&command, &no_clock).await;
-                assert!(matches!(outcome, Err(DriveError::Timeout { .. })), "{outcome:?}");
+                fails(&driver.send(&command, &no_clock).await, TIMEOUT);
             };
             let ((), requests) = tokio::join!(sending, unanswered(far));
             assert_eq!(requests.len(), times, "{command:?}");
         });
     }
-}
-
-/// The answer to vector 20 with `x` on axis X.
-fn state_answer(x: u8) -> Vec<u8> {
-    let mut body = vector(21)[..27].to_vec();
-    body[7..11].copy_from_slice(&[0, 0, 0, x]);
-    seal(body)
 }
 
 #[test]
@@ -330,16 +284,14 @@ fn a_late_answer_is_not_taken_for_the_next() {
             // The first answer comes after the deadline; those after it, which count on, in time.
             request(&mut far).await;
             sleep(Duration::from_millis(80)).await;
-            far.write_all(&state_answer(1)).await.unwrap();
+            far.write_all(&state(0, 1)).await.unwrap();
             for x in 2..=5 {
-                request(&mut far).await;
-                far.write_all(&state_answer(x)).await.unwrap();
+                answered(&mut far, &state(0, x)).await;
             }
         };
         let asking = async {
             for x in 2..=5 {
-                let (state, _) = driver.state(&no_clock).await.unwrap();
-                assert_eq!(state.positions[0], x);
+                assert_eq!(driver.state(&no_clock).await.unwrap().0.positions[0], x);
             }
         };
         tokio::join!(board, asking);
@@ -356,13 +308,11 @@ fn a_stop_waits_for_no_late_answer() {
             let stop = request(&mut far).await;
             // First the answer to the move that the driver has given up, then nothing; the stop comes again.
             far.write_all(&seal(vector(11)[..6].to_vec())).await.unwrap();
-            let again = request(&mut far).await;
-            far.write_all(&seal(stop[..6].to_vec())).await.unwrap();
+            let again = answered(&mut far, &seal(stop[..6].to_vec())).await;
             (stop, again)
         };
         let driving = async {
-            let lost = driver.send(&move_x(20_000, 100_000), &no_clock).await;
-            assert!(matches!(lost, Err(DriveError::Timeout { .. })), "{lost:?}");
+            fails(&driver.send(&go(BoardAxis::X, 100_000), &no_clock).await, TIMEOUT);
             driver.send(&Command::RampStop, &no_clock).await.unwrap();
         };
         let ((stop, again), ()) = tokio::join!(board, driving);
@@ -374,46 +324,9 @@ fn a_stop_waits_for_no_late_answer() {
 fn what_lies_in_the_input_from_before_is_nobodys_answer() {
     run(async {
         let (mut driver, mut far) = attached(1000, 1);
-        far.write_all(&state_answer(1)).await.unwrap();
-        let board = async {
-            request(&mut far).await;
-            far.write_all(&state_answer(2)).await.unwrap();
-        };
-        let ((), state) = tokio::join!(board, driver.state(&no_clock));
+        far.write_all(&state(0, 1)).await.unwrap();
+        let due = state(0, 2);
+        let (_, state) = tokio::join!(answered(&mut far, &due), driver.state(&no_clock));
         assert_eq!(state.unwrap().0.positions[0], 2);
-    });
-}
-
-/// Vector 24 switches OUT1 on and its answer is the same; that it is on is read back.
-#[test]
-fn vector_24_switches_an_output_and_a_locked_board_is_found_out() {
-    for (state, locked) in [("01 01 01 01", false), ("01 01 01 00", true)] {
-        run(async {
-            let (mut driver, mut far) = attached(1000, 1);
-            let board = async {
-                let write = request(&mut far).await;
-                far.write_all(&write).await.unwrap();
-                let read = request(&mut far).await;
-                far.write_all(&seal(bytes(state))).await.unwrap();
-                (write, read)
-            };
-            let ((write, read), outcome) =
-                tokio::join!(board, driver.set_output(1, true, &no_clock));
-            assert_eq!(write, vector(24));
-            assert_eq!(read, seal(bytes("01 01 01 00 00 01")));
-            assert_eq!(matches!(outcome, Err(DriveError::Locked { .. })), locked, "{outcome:?}");
-            assert_eq!(outcome.is_ok(), !locked);
-        });
-    }
-}
-
-#[test]
-fn there_are_outputs_1_to_32() {
-    run(async {
-        let (mut driver, _far) = attached(1000, 1);
-        for output in [0, 33, 255] {
-            let refused = driver.set_output(output, true, &no_clock).await;
-            assert!(matches!(refused, Err(DriveError::Range { .. })), "{refused:?}");
-        }
     });
 }

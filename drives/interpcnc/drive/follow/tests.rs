@@ -1,50 +1,27 @@
 //! The closed loop without wire and wall clock: follower and board, exchanges of computed duration.
 
 use std::{
-    f64::consts::TAU,
-    sync::atomic::{AtomicI64, Ordering},
+    sync::{
+        Arc,
+        atomic::{AtomicI64, Ordering},
+    },
+    time::Duration,
 };
 
 use super::*;
 use crate::{
     BoardAxis, Command,
-    emulator::{Board, BoardOptions},
+    emulator::Board,
     protocol::vectors::{frame, vector},
+    tests::{MS, Plan, motion, sines, steep_axes, unlocked},
 };
 use twin_drives::{
-    IncrementMotion, MAX_DRIVE_AXES, SetpointStream, Stamp,
+    IncrementMotion, Prediction, SetpointStream, Stamp,
     follow::{Order, TOLERANCE},
     ramp::seconds,
 };
 
-const MS: i64 = 1_000_000;
-
-/// A plan in closed form, and the time.
-struct Plan<'a> {
-    now_ns: AtomicI64,
-    horizon_ns: i64,
-    end_s: f64,
-    of: &'a (dyn Fn(f64) -> IncrementMotion + Sync),
-}
-
-impl SetpointStream for Plan<'_> {
-    fn now_ns(&self) -> i64 {
-        self.now_ns.load(Ordering::Relaxed)
-    }
-
-    fn at(&self, time_ns: i64) -> IncrementMotion {
-        let time = seconds(time_ns);
-        let mut motion = (self.of)(time.clamp(0.0, self.end_s));
-        if time < 0.0 || time >= self.end_s {
-            motion.velocity = [0.0; MAX_DRIVE_AXES];
-        }
-        motion
-    }
-
-    fn horizon_ns(&self) -> i64 {
-        self.horizon_ns
-    }
-}
+type Clock = Box<dyn Fn() -> i64 + Sync>;
 
 /// How exchanges go.
 #[derive(Clone, Copy, Debug)]
@@ -72,14 +49,17 @@ struct Errors {
 }
 
 impl Errors {
-    fn rms(&self) -> f64 {
-        (self.squares / self.count).sqrt()
+    /// Root mean square and largest error as lags: milliseconds at the largest speed.
+    fn lags_ms(&self) -> (f64, f64) {
+        let rms = (self.squares / self.count).sqrt();
+        (1e3 * rms / self.fastest, 1e3 * self.largest / self.fastest)
     }
 }
 
 /// Follower and board, following `plan` from 200 ms before its start until one second after its end.
 struct Loop<'a> {
-    plan: Plan<'a>,
+    now_ns: Arc<AtomicI64>,
+    plan: Plan<Clock, &'a (dyn Fn(f64) -> IncrementMotion + Sync)>,
     board: Board,
     follower: Follower,
     wire: Wire,
@@ -115,8 +95,7 @@ impl Loop<'_> {
         while left > 0 {
             let step = left.min(MS / 2);
             left -= step;
-            let now = self.plan.now_ns() + step;
-            self.plan.now_ns.store(now, Ordering::Relaxed);
+            let now = self.now_ns.fetch_add(step, Ordering::Relaxed) + step;
             self.board.advance(step);
             let motion = self.plan.at(now);
             for (index, errors) in self.errors.iter_mut().enumerate() {
@@ -194,23 +173,9 @@ fn follow(
     while seconds(run.plan.now_ns()) < end_s + 1.0 {
         run.round();
     }
-    let end = of(end_s).position;
-    for (index, errors) in run.errors.iter().enumerate() {
-        let position = run.board.position(BoardAxis::ALL[index]);
-        assert!(
-            (position - end[index]).abs() <= TOLERANCE,
-            "axis {index} ends at {position}, plan at {}",
-            end[index]
-        );
-        println!(
-            "axis {index}: {:.0} Hz at most; error rms {:.1}, max {:.1} increments = {:.2}, {:.2} ms; {} orders",
-            errors.fastest,
-            errors.rms(),
-            errors.largest,
-            1e3 * errors.rms() / errors.fastest,
-            1e3 * errors.largest / errors.fastest,
-            run.orders,
-        );
+    for (axis, end) in BoardAxis::ALL.into_iter().zip(of(end_s).position).take(axes.len()) {
+        let position = run.board.position(axis);
+        assert!((position - end).abs() <= TOLERANCE, "{axis:?} ends at {position}, plan at {end}");
     }
     assert!(run.board.status().moving().is_empty());
     run.errors
@@ -225,9 +190,11 @@ fn start<'a>(
     of: &'a (dyn Fn(f64) -> IncrementMotion + Sync),
 ) -> Loop<'a> {
     let line = Line::default();
-    let plan = Plan { now_ns: AtomicI64::new(-200 * MS), horizon_ns: 250 * MS, end_s, of };
-    let mut board = Board::new(&BoardOptions::default());
-    board.handle(&vector(1)).unwrap();
+    let now_ns = Arc::new(AtomicI64::new(-200 * MS));
+    let now = Arc::clone(&now_ns);
+    let clock: Clock = Box::new(move || now.load(Ordering::Relaxed));
+    let plan = Plan::new(clock, 0, end_s, of);
+    let mut board = unlocked();
     let start = of(0.0).position.map(|position| {
         #[expect(clippy::cast_possible_truncation, reason = "small")]
         Some(position.round() as i32)
@@ -235,38 +202,22 @@ fn start<'a>(
     board.handle(&frame(&Command::WritePosition { positions: start })).unwrap();
     let follower = follower(axes, line);
     let errors = vec![Errors::default(); axes.len()];
-    Loop { plan, board, follower, wire, line, seed, errors, orders: 0 }
+    Loop { now_ns, plan, board, follower, wire, line, seed, errors, orders: 0 }
 }
 
-/// Ramps of 1000 kHz/s on the first axes.
-fn steep(count: usize) -> Vec<AxisOptions> {
-    let steep = |axis| AxisOptions {
-        acceleration_khz_per_s: 1000,
-        deceleration_khz_per_s: 1000,
-        ..AxisOptions::new(axis)
-    };
-    BoardAxis::ALL.into_iter().take(count).map(steep).collect()
+/// Sines of the first axes, each a bit slower than the one before.
+fn staggered(
+    count: usize,
+    amplitude: f64,
+    frequency: f64,
+) -> impl Fn(f64) -> IncrementMotion + Sync {
+    let waves = (1..).take(count).map(|axis: u32| (amplitude, frequency / f64::from(axis)));
+    sines(waves.collect())
 }
 
-/// `amplitude`·(1 − cos 2πft) on the first `count` axes, each a bit slower than the one before: starts and ends at
-/// rest if `end·f` is whole.
-fn sines(count: usize, amplitude: f64, frequency: f64) -> impl Fn(f64) -> IncrementMotion + Sync {
-    move |time| {
-        let mut motion = IncrementMotion::default();
-        for axis in 0..count {
-            let pulsation = TAU * frequency / f64::from(u32::try_from(axis).unwrap() + 1);
-            motion.position[axis] = amplitude * (1.0 - (pulsation * time).cos());
-            motion.velocity[axis] = amplitude * pulsation * (pulsation * time).sin();
-        }
-        motion
-    }
-}
-
-/// Asserts lag-equivalent errors: milliseconds at the largest speed.
 fn assert_within(errors: &[Errors], rms_ms: f64, largest_ms: f64) {
     for (axis, errors) in errors.iter().enumerate() {
-        let (rms, largest) =
-            (1e3 * errors.rms() / errors.fastest, 1e3 * errors.largest / errors.fastest);
+        let (rms, largest) = errors.lags_ms();
         assert!(
             rms <= rms_ms && largest <= largest_ms,
             "axis {axis}: rms {rms:.2} ms, max {largest:.2} ms"
@@ -282,7 +233,7 @@ fn sines_are_followed() {
         max_speed_hz: 30_000,
         ..options
     };
-    let gentle: Vec<_> = steep(2).into_iter().map(gentle).collect();
+    let gentle: Vec<_> = steep_axes(2).into_iter().map(gentle).collect();
     // Executed just before the answer instead of just after the request.
     let late = Wire { before_ns: 6 * MS, turnaround_ns: 0, jitter_ns: MS, ..EMULATED };
     // The 16 ms latency timer of USB adapters, and answers up to 5 ms late.
@@ -292,17 +243,17 @@ fn sines_are_followed() {
     // Axes, wire, seeds, end, sine, and bounds of the errors, ms.
     for (axes, wire, seeds, end_s, (amplitude, frequency), (rms_ms, largest_ms)) in [
         // 80 mm to and fro at 100 increments per mm, 1 Hz: 25 kHz, 158 kHz/s.
-        (steep(1), EMULATED, 0..4, 3.0, (4000.0, 1.0), (0.5, 1.5)),
-        (steep(3), EMULATED, 1..2, 6.0, (4000.0, 1.0), (0.8, 3.0)),
+        (steep_axes(1), EMULATED, 0..4, 3.0, (4000.0, 1.0), (0.5, 1.5)),
+        (steep_axes(3), EMULATED, 1..2, 6.0, (4000.0, 1.0), (0.8, 3.0)),
         // 3 Hz: a turn every 170 ms, a round takes 30.
-        (steep(2), EMULATED, 1..2, 4.0, (1000.0, 3.0), (1.0, 4.0)),
+        (steep_axes(2), EMULATED, 1..2, 4.0, (1000.0, 3.0), (1.0, 4.0)),
         (gentle, EMULATED, 1..2, 4.0, (4000.0, 1.0), (1.0, 4.0)),
-        (steep(2), late, 1..2, 4.0, (4000.0, 1.0), (3.0, 6.0)),
-        (steep(2), slow, 1..2, 4.0, (4000.0, 1.0), (10.0, 20.0)),
-        (steep(2), busy, 0..4, 6.0, (4000.0, 1.0), (5.0, 40.0)),
+        (steep_axes(2), late, 1..2, 4.0, (4000.0, 1.0), (3.0, 6.0)),
+        (steep_axes(2), slow, 1..2, 4.0, (4000.0, 1.0), (10.0, 20.0)),
+        (steep_axes(2), busy, 0..4, 6.0, (4000.0, 1.0), (5.0, 40.0)),
     ] {
         for seed in seeds {
-            let sines = sines(axes.len(), amplitude, frequency);
+            let sines = staggered(axes.len(), amplitude, frequency);
             assert_within(&follow(&axes, wire, seed, end_s, &sines), rms_ms, largest_ms);
         }
     }
@@ -324,33 +275,34 @@ fn trapezoid(time: f64, way: f64, v: f64, a: f64) -> (f64, f64) {
     }
 }
 
-#[test]
-fn a_trapezoid_is_followed() {
-    // 400 kHz/s up to 40 kHz.
-    let errors = follow(&steep(1), EMULATED, 1, 1.5, &ramps(40e3, 40e3, 400e3));
-    assert_within(&errors, 0.5, 2.0);
+/// A plan of axis X: way, speed and rate of its ramps, in increments.
+fn ramps(way: f64, speed: f64, rate: f64) -> impl Fn(f64) -> IncrementMotion + Sync {
+    move |time| motion([trapezoid(time, way, speed, rate)])
 }
 
 #[test]
-fn an_axis_that_the_plan_leaves_alone_gets_no_command() {
-    let errors = follow(&steep(2), EMULATED, 1, 4.5, &ramps(20e3, 5e3, 400e3));
-    // The second axis is on the plan from beginning to end.
-    assert_eq!(errors[1].largest.to_bits(), 0.0_f64.to_bits());
-    assert_within(&errors[..1], 0.5, 2.0);
+fn a_trapezoid_is_followed_and_an_axis_that_it_leaves_alone_gets_no_command() {
+    // Up to 40 and 5 kHz.
+    for (end_s, way, speed) in [(1.5, 40e3, 40e3), (4.5, 20e3, 5e3)] {
+        let errors = follow(&steep_axes(2), EMULATED, 1, end_s, &ramps(way, speed, 400e3));
+        // The second axis is on the plan from beginning to end.
+        assert_eq!(errors[1].largest.to_bits(), 0.0_f64.to_bits());
+        assert_within(&errors[..1], 0.5, 2.0);
+    }
 }
 
 #[test]
 fn a_slow_axis_is_followed_step_by_step() {
     // 9 increments per second: never farther than rounding and one round make.
-    let errors = follow(&steep(1), EMULATED, 1, 4.0, &sines(1, 3.0, 0.5));
+    let errors = follow(&steep_axes(1), EMULATED, 1, 4.0, &staggered(1, 3.0, 0.5));
     assert!(errors[0].largest < 1.5, "{errors:?}");
 }
 
 #[test]
 fn an_axis_whose_master_dies_rests_on_the_plan() {
-    let of = sines(2, 4000.0, 1.0);
+    let of = staggered(2, 4000.0, 1.0);
     for rounds in 10..60 {
-        let mut run = start(&steep(2), EMULATED, 7, 4.0, &of);
+        let mut run = start(&steep_axes(2), EMULATED, 7, 4.0, &of);
         (0..rounds).for_each(|_| run.round());
         let now = run.plan.now_ns();
         run.board.advance(3000 * MS);
@@ -374,7 +326,7 @@ fn an_axis_whose_master_dies_rests_on_the_plan() {
 fn a_short_horizon_makes_the_axis_lag_and_never_lead() {
     // The plan reaches 60 ms ahead only: the axis brakes for the end of what is planned.
     let of = ramps(20e3, 20e3, 200e3);
-    let mut run = start(&steep(1), EMULATED, 3, 1.5, &of);
+    let mut run = start(&steep_axes(1), EMULATED, 3, 1.5, &of);
     run.plan.horizon_ns = 60 * MS;
     while run.plan.now_ns() < 2500 * MS {
         run.round();
@@ -384,17 +336,6 @@ fn a_short_horizon_makes_the_axis_lag_and_never_lead() {
     assert!((run.board.position(BoardAxis::X) - 20e3).abs() < TOLERANCE);
 }
 
-/// A plan of axis X: way, speed and rate of its ramps, in increments.
-fn ramps(way: f64, speed: f64, rate: f64) -> impl Fn(f64) -> IncrementMotion + Sync {
-    move |time| {
-        let (position, velocity) = trapezoid(time, way, speed, rate);
-        let mut motion = IncrementMotion::default();
-        motion.position[0] = position;
-        motion.velocity[0] = velocity;
-        motion
-    }
-}
-
 #[test]
 fn an_axis_that_was_left_behind_comes_back_no_faster_than_three_times_the_plan() {
     // 30 mm/s at 320 increments per mm; a lost answer takes 770 ms, in which the axis runs to its last target and rests there.
@@ -402,7 +343,7 @@ fn an_axis_that_was_left_behind_comes_back_no_faster_than_three_times_the_plan()
     let end_s = way / speed + speed / 100e3;
     let of = ramps(way, speed, 100e3);
     for rounds in 60..80 {
-        let mut run = start(&steep(1), EMULATED, 5, end_s, &of);
+        let mut run = start(&steep_axes(1), EMULATED, 5, end_s, &of);
         (0..rounds).for_each(|_| run.round());
         run.pass(770 * MS);
         let behind = run.plan.at(run.plan.now_ns()).position[0] - run.board.position(BoardAxis::X);
@@ -432,7 +373,7 @@ fn an_axis_left_behind_stops_with_the_plan() {
     // Orders from before the change of plan are still carried out: brake at 1000 kHz/s from its largest speed.
     let braking = (3.0 * speed).powi(2) * 0.5 / 1e6;
     for rounds in 60..80 {
-        let mut run = start(&steep(1), EMULATED, 5, 7.0, &of);
+        let mut run = start(&steep_axes(1), EMULATED, 5, 7.0, &of);
         (0..rounds).for_each(|_| run.round());
         run.pass(770 * MS);
         // So late after it has noticed, the run brakes: another plan.
@@ -446,8 +387,9 @@ fn an_axis_left_behind_stops_with_the_plan() {
             let mut motion = of(time.min(from_s));
             let since = (time - from_s).clamp(0.0, speed / rate);
             motion.position[0] += (speed - 0.5 * rate * since) * since;
-            motion.velocity[0] =
-                if time < from_s { motion.velocity[0] } else { speed - rate * since };
+            if time >= from_s {
+                motion.velocity[0] = speed - rate * since;
+            }
             motion
         };
         let mut run = Loop { plan: Plan { of: &braked, end_s: 8.0, ..run.plan }, ..run };
@@ -463,28 +405,25 @@ fn an_axis_left_behind_stops_with_the_plan() {
 #[test]
 fn a_prediction_is_what_driver_and_board_do_without_jitter() {
     let wire = Wire { jitter_ns: 0, ..EMULATED };
-    let turnaround = std::time::Duration::from_nanos(u64::try_from(wire.turnaround_ns).unwrap());
-    let of = sines(3, 4000.0, 1.0);
-    let mut run = start(&steep(3), wire, 0, 6.0, &of);
+    let turnaround = Duration::from_nanos(u64::try_from(wire.turnaround_ns).unwrap());
+    let of = staggered(3, 4000.0, 1.0);
+    let mut run = start(&steep_axes(3), wire, 0, 6.0, &of);
     let paced = crate::emulator::Wire { line: Line::default(), turnaround };
-    let mut prediction = crate::InterpCncPrediction::new(&steep(3), &paced);
+    let mut prediction = crate::InterpCncPrediction::new(&steep_axes(3), &paced);
     let mut farthest = 0.0_f64;
     let first_ns = run.plan.now_ns();
-    twin_drives::Prediction::advance(&mut prediction, &run.plan, first_ns);
+    prediction.advance(&run.plan, first_ns);
     while seconds(run.plan.now_ns()) < 7.0 {
         run.round();
         let now_ns = run.plan.now_ns();
-        let motion = twin_drives::Prediction::advance(&mut prediction, &run.plan, now_ns);
+        let motion = prediction.advance(&run.plan, now_ns);
         for (index, position) in motion.position.iter().take(3).enumerate() {
             let board = run.board.position(BoardAxis::ALL[index]);
-            assert!(
-                (position - board).abs() < 1e-6,
-                "axis {index} at {now_ns}: {position}, {board}"
-            );
+            assert!((position - board).abs() < 1e-6, "{index} at {now_ns}: {position}, {board}");
             farthest = farthest.max(board);
         }
     }
     assert!(farthest > 7900.0 && run.orders > 100);
     // Three axes and a sample: every exchange of the loop is one of the prediction.
-    assert!(twin_drives::Prediction::exchanges(&prediction) > u64::from(run.orders));
+    assert!(prediction.exchanges() > u64::from(run.orders));
 }

@@ -32,8 +32,7 @@ fn absent_arguments_keep_their_last_value() {
 #[test]
 fn losing_enable_locks_after_the_filter_and_only_a_command_unlocks() {
     let mut board = unlocked();
-    send(&mut board, go(BoardAxis::X, 1_000_000));
-    board.advance(1000 * MS);
+    send_for(&mut board, go(BoardAxis::X, 1_000_000), 1000);
     board.set_enable(false);
     board.advance(99 * MS);
     assert!(!board.status().enable_open() && !board.status().locked());
@@ -89,8 +88,7 @@ fn a_moving_axis_keeps_its_counter_and_a_standing_one_ignores_speed() {
     board.handle(&vector(9)).unwrap();
     board.advance(100 * MS);
     assert_eq!(board.counters()[0], 0);
-    send(&mut board, go(BoardAxis::X, 1_000_000));
-    board.advance(1000 * MS);
+    send_for(&mut board, go(BoardAxis::X, 1_000_000), 1000);
     let before = board.counters()[0];
     board.handle(&vector(7)).unwrap();
     assert_eq!(board.counters()[0], before);
@@ -119,7 +117,7 @@ fn speed_is_clamped_to_200_khz() {
     // 0003 D090h = 250000 Hz at the steepest ramps.
     assert_eq!(write(&mut board, &[80, 1, 200, 65_535, 0x3, 0xD090, 65_535, 0x0100, 0]), None);
     board.advance(100 * MS);
-    assert!((board.velocity(BoardAxis::X) - 200_000.0).abs() < 1e-6);
+    same(board.velocity(BoardAxis::X), 200_000.0);
 }
 
 fn orders() -> impl Strategy<Value = Vec<(MoveProfile, i64)>> {

@@ -2,45 +2,14 @@
 
 use super::*;
 
-/// Command 78 on an axis with a normally open switch: 50 kHz/s, 5000 Hz, off it at 500 Hz.
-fn home(axis: BoardAxis, input: u16, max_stroke: i32, final_position: i32) -> Command {
-    Command::HomeAxis {
-        axis,
-        input,
-        contact: 1,
-        acceleration_khz_per_s: 50,
-        fast_hz: 5000,
-        deceleration_khz_per_s: 50,
-        max_stroke,
-        slow_hz: 500,
-        final_position,
-    }
-}
-
-fn switch(input: u8, axis: BoardAxis, from: i32, to: i32) -> Cam {
-    Cam { input, axis, from, to, normally_closed: false }
-}
-
-fn on_bench(cams: Vec<Cam>) -> Board {
-    let mut board = unlocked();
-    board.set_bench(Bench { cams, encoder: None });
-    board
-}
-
-/// Extended B18 to B27.
-fn homing_bits(board: &Board) -> u32 {
-    board.extended_status() & 0x0FFC_0000
-}
-
 #[test]
 fn axes_home_side_by_side_each_with_its_own_bits() {
     let mut board = on_bench(vec![
         switch(1, BoardAxis::X, -9000, -4000),
         switch(2, BoardAxis::B, 20_000, 30_000),
     ]);
-    send(&mut board, home(BoardAxis::X, 1, -10_000, -50));
-    board.advance(300 * MS);
-    send(&mut board, home(BoardAxis::B, 2, 25_000, 7777));
+    send_for(&mut board, home(BoardAxis::X, (1, 1), -10_000, -50), 300);
+    send(&mut board, home(BoardAxis::B, (2, 1), 25_000, 7777));
     assert_eq!(homing_bits(&board), 1 << 18 | 1 << 26);
     board.advance(3000 * MS);
     assert_eq!(homing_bits(&board), 1 << 26);
@@ -54,12 +23,11 @@ fn axes_home_side_by_side_each_with_its_own_bits() {
 #[test]
 fn a_switch_beyond_the_stroke_is_a_failure_of_that_axis() {
     let mut board = on_bench(vec![switch(3, BoardAxis::Y, 5001, 6000)]);
-    send(&mut board, home(BoardAxis::Y, 3, 5000, 0));
-    board.advance(5000 * MS);
+    send_for(&mut board, home(BoardAxis::Y, (3, 1), 5000, 0), 5000);
     assert_eq!(homing_bits(&board), 1 << 21);
     assert_eq!(board.counters()[1], 5000);
     // A new homing clears it; this one comes to the switch.
-    send(&mut board, home(BoardAxis::Y, 3, 5000, 12));
+    send(&mut board, home(BoardAxis::Y, (3, 1), 5000, 12));
     assert_eq!(homing_bits(&board), 1 << 20);
     board.advance(5000 * MS);
     assert_eq!((homing_bits(&board), board.counters()[1]), (0, 12));
@@ -68,9 +36,8 @@ fn a_switch_beyond_the_stroke_is_a_failure_of_that_axis() {
 #[test]
 fn an_axis_on_its_switch_goes_off_it_at_once() {
     let mut board = on_bench(vec![switch(3, BoardAxis::Y, -100, 400)]);
-    send(&mut board, home(BoardAxis::Y, 3, -5000, 0));
-    board.advance(100 * MS);
-    assert!((board.velocity(BoardAxis::Y) - 500.0).abs() < 1e-6);
+    send_for(&mut board, home(BoardAxis::Y, (3, 1), -5000, 0), 100);
+    same(board.velocity(BoardAxis::Y), 500.0);
     board.advance(1000 * MS);
     assert_eq!((homing_bits(&board), board.counters()[1]), (0, 0));
     assert!((board.mechanical(BoardAxis::Y) - 400.0).abs() <= 1.0);
@@ -80,21 +47,16 @@ fn an_axis_on_its_switch_goes_off_it_at_once() {
 fn a_switch_that_is_never_left_is_a_failure() {
     let mut board = on_bench(vec![]);
     board.set_input(3, true);
-    send(&mut board, home(BoardAxis::Y, 3, -1000, 0));
-    board.advance(5000 * MS);
+    send_for(&mut board, home(BoardAxis::Y, (3, 1), -1000, 0), 5000);
     assert_eq!((homing_bits(&board), board.counters()[1]), (1 << 21, 1000));
 }
 
 #[test]
 fn arguments_without_sense_fail_at_once() {
-    for command in [
-        home(BoardAxis::A, 0, 1000, 0),
-        home(BoardAxis::A, 33, 1000, 0),
-        home(BoardAxis::A, 1, 0, 0),
-    ] {
+    for (input, stroke) in [(0, 1000), (33, 1000), (1, 0)] {
         let mut board = unlocked();
-        send(&mut board, command);
-        assert_eq!(homing_bits(&board), 1 << 25);
+        send(&mut board, home(BoardAxis::A, (input, 1), stroke, 0));
+        assert_eq!(homing_bits(&board), 1 << 25, "input {input}, stroke {stroke}");
         assert!(board.status().moving().is_empty());
     }
     // Axis 6 is none; exception 3.
@@ -111,8 +73,7 @@ fn what_else_moves_or_stops_the_axis_fails_its_homing() {
     ];
     for (command, end) in others {
         let mut board = on_bench(vec![switch(1, BoardAxis::X, -9000, -4000)]);
-        send(&mut board, home(BoardAxis::X, 1, -10_000, 0));
-        board.advance(300 * MS);
+        send_for(&mut board, home(BoardAxis::X, (1, 1), -10_000, 0), 300);
         send(&mut board, command);
         assert_eq!(homing_bits(&board), 1 << 19, "{command:?}");
         board.advance(5000 * MS);
@@ -127,8 +88,7 @@ fn what_else_moves_or_stops_the_axis_fails_its_homing() {
 
 /// A board whose parameters home X towards − with IN1 and Z towards + with IN2, normally closed.
 fn parametrised(assumptions: Assumptions) -> Board {
-    let mut board = Board::new(&BoardOptions { assumptions, ..BoardOptions::default() });
-    board.handle(&vector(1)).unwrap();
+    let mut board = assumed(assumptions);
     let closed = Cam { normally_closed: true, ..switch(2, BoardAxis::Z, 3000, 50_000) };
     let cams = vec![switch(1, BoardAxis::X, -50_000, -2000), closed];
     board.set_bench(Bench { cams, encoder: None });
@@ -149,36 +109,33 @@ const BOTH: Command =
 
 #[test]
 fn the_machine_homes_by_its_parameters() {
-    let mut board = parametrised(Assumptions::default());
-    send(&mut board, BOTH);
-    board.advance(400 * MS);
-    assert!((board.velocity(BoardAxis::X) + 5000.0).abs() < 1e-6);
-    assert!((board.velocity(BoardAxis::Z) - 2000.0).abs() < 1e-6);
-    // B10; the extended bits belong to command 78.
-    assert!(board.status().has(Status::HOMING_IN_PROGRESS));
-    assert_eq!(homing_bits(&board), 0);
-    board.advance(10_000 * MS);
-    assert!(!board.status().has(Status::HOMING_IN_PROGRESS | Status::HOMING_ERROR));
-    assert_eq!(board.counters(), [0; 5]);
-    assert!((board.mechanical(BoardAxis::Z) - 3000.0).abs() <= 1.0);
-}
-
-#[test]
-fn parameter_128_leaves_the_counters_alone() {
-    let mut board = parametrised(Assumptions::default());
-    set_parameter(&mut board, parameters::ZERO_AFTER_HOMING, 0);
-    send(&mut board, BOTH);
-    board.advance(10_000 * MS);
-    assert!(!board.status().has(Status::HOMING_ERROR));
-    assert!((x(&board) + 2000.0).abs() <= 1.0);
+    for zeroed in [true, false] {
+        let mut board = parametrised(Assumptions::default());
+        if !zeroed {
+            set_parameter(&mut board, parameters::ZERO_AFTER_HOMING, 0);
+        }
+        send_for(&mut board, BOTH, 400);
+        same(board.velocity(BoardAxis::X), -5000.0);
+        same(board.velocity(BoardAxis::Z), 2000.0);
+        // B10; the extended bits belong to command 78.
+        assert!(board.status().has(Status::HOMING_IN_PROGRESS));
+        assert_eq!(homing_bits(&board), 0);
+        board.advance(10_000 * MS);
+        assert!(!board.status().has(Status::HOMING_IN_PROGRESS | Status::HOMING_ERROR));
+        assert!((board.mechanical(BoardAxis::Z) - 3000.0).abs() <= 1.0);
+        // Parameter 128 may leave the counters alone.
+        if zeroed {
+            assert_eq!(board.counters(), [0; 5]);
+        } else {
+            assert!((x(&board) + 2000.0).abs() <= 1.0);
+        }
+    }
 }
 
 #[test]
 fn axes_may_be_assumed_to_home_one_by_one() {
-    let assumptions = Assumptions { home_one_by_one: true, ..Assumptions::default() };
-    let mut board = parametrised(assumptions);
-    send(&mut board, BOTH);
-    board.advance(300 * MS);
+    let mut board = parametrised(Assumptions { home_one_by_one: true, ..Assumptions::default() });
+    send_for(&mut board, BOTH, 300);
     assert_eq!(board.status().moving(), BoardAxis::X.mask());
     // X: 0.4 s to its switch, half a second off it, with ramps.
     board.advance(1500 * MS);
@@ -192,13 +149,13 @@ fn axes_may_be_assumed_to_home_one_by_one() {
 #[test]
 fn a_machine_without_switch_fails_with_b11() {
     let mut board = parametrised(Assumptions::default());
-    let only_y = Command::HomeMachine { max_strokes: [None, Some(1000), None, None, None] };
-    send(&mut board, only_y);
+    let max_strokes = [None, Some(1000), None, None, None];
+    send(&mut board, Command::HomeMachine { max_strokes });
     let status = board.status();
     assert!(status.has(Status::HOMING_ERROR) && !status.has(Status::HOMING_IN_PROGRESS));
+    assert!(status.moving().is_empty());
     // A new one clears it, and a stroke that is too short sets it again.
-    let short = Command::HomeMachine { max_strokes: [Some(1000), None, None, None, None] };
-    send(&mut board, short);
+    send(&mut board, Command::HomeMachine { max_strokes: x_only(1000) });
     assert!(!board.status().has(Status::HOMING_ERROR));
     board.advance(5000 * MS);
     assert!(board.status().has(Status::HOMING_ERROR));

@@ -86,8 +86,7 @@ fn user_bits_and_registers_hold_what_is_written() {
     answers(&mut board, "01 01 01 9D 00 03", "01 01 01 06");
     for address in ["10 36", "10 64", "10 66", "14 00"] {
         assert_eq!(refusal(&mut board, &format!("01 06 {address} BE EF")), None);
-        let read = board.handle(&seal(bytes(&format!("01 03 {address} 00 01"))));
-        assert_eq!(read, Some(seal(bytes("01 03 02 BE EF"))));
+        answers(&mut board, &format!("01 03 {address} 00 01"), "01 03 02 BE EF");
     }
 }
 
@@ -110,16 +109,15 @@ fn reserved_addresses_within_the_tables_read_0() {
         ("01 04 04 16 00 08", "01 04 10 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00"), // 1046 to 1053
         ("01 03 10 80 00 02", "01 03 04 00 00 00 00"), // 4224, 4225
     ] {
-        assert_eq!(board.handle(&seal(bytes(request))), Some(seal(bytes(answer))), "{request}");
+        answers(&mut board, request, answer);
     }
 }
 
 #[test]
 fn address_2087_is_1_while_enable_is_off() {
     let mut board = unlocked();
-    let read = seal(bytes("01 02 08 27 00 01"));
-    assert_eq!(board.handle(&read), Some(seal(bytes("01 02 01 00"))));
+    answers(&mut board, "01 02 08 27 00 01", "01 02 01 00");
     board.set_enable(false);
     board.advance(101 * MS);
-    assert_eq!(board.handle(&read), Some(seal(bytes("01 02 01 01"))));
+    answers(&mut board, "01 02 08 27 00 01", "01 02 01 01");
 }

@@ -10,24 +10,42 @@ mod probe;
 mod segments;
 
 use super::*;
-use crate::protocol::frame::seal;
 use crate::{
     BoardStop, Command, MoveProfile,
     protocol::{
+        frame::seal,
         parameters,
         vectors::{bytes, vector},
     },
+    tests::{MS, assumed, go, home, segment_of_x, switch, unlocked, x_only},
 };
 
-fn unlocked() -> Board {
-    let mut board = Board::new(&BoardOptions::default());
-    assert_eq!(board.handle(&vector(1)), Some(vector(2)));
+/// An unlocked board between switches.
+fn on_bench(cams: Vec<Cam>) -> Board {
+    let mut board = unlocked();
+    board.set_bench(Bench { cams, encoder: None });
     board
+}
+
+/// Extended B18 to B27: homing under way and failed per axis.
+fn homing_bits(board: &Board) -> u32 {
+    board.extended_status() & 0x0FFC_0000
+}
+
+/// True if no probe is under way and none has failed.
+fn found(board: &Board) -> bool {
+    !board.status().probing() && !board.status().probe_failed()
 }
 
 /// Sends a command from address 1 and expects it to be accepted.
 fn send(board: &mut Board, command: Command) {
     assert_eq!(write(board, &command.registers()), None, "{command:?}");
+}
+
+/// Sends a command and lets time pass.
+fn send_for(board: &mut Board, command: Command, ms: i64) {
+    send(board, command);
+    board.advance(ms * MS);
 }
 
 /// Writes a parameter as a master does.
@@ -59,19 +77,6 @@ fn refusal(board: &mut Board, request: &str) -> Option<u8> {
 fn answers(board: &mut Board, request: &str, answer: &str) {
     assert_eq!(board.handle(&seal(bytes(request))), Some(seal(bytes(answer))), "{request}");
 }
-
-fn go(axis: BoardAxis, target: i32) -> Command {
-    let profile = MoveProfile {
-        start_stop_hz: 200,
-        acceleration_khz_per_s: 50,
-        speed_hz: 20_000,
-        deceleration_khz_per_s: 40,
-        target,
-    };
-    Command::Move { axis, profile }
-}
-
-const MS: i64 = 1_000_000;
 
 /// The X counter.
 fn x(board: &Board) -> f64 {

@@ -2,10 +2,8 @@
 
 use super::*;
 
-/// Parameter 4 as the board shows it.
-fn parameter_4(board: &mut Board) -> Option<Vec<u8>> {
-    board.handle(&seal(bytes("01 03 11 08 00 02")))
-}
+/// Reads parameter 4, the default acceleration.
+const PARAMETER_4: &str = "01 03 11 08 00 02";
 
 #[test]
 fn a_write_to_the_eeprom_takes_its_time_and_survives() {
@@ -26,12 +24,12 @@ fn a_write_to_the_eeprom_takes_its_time_and_survives() {
     board.advance(100 * MS);
     let mut again = Board::with_eeprom(&BoardOptions::default(), &board.eeprom()).unwrap();
     for (read, expected) in [
-        ("01 03 11 08 00 02", "01 03 04 00 00 00 4D"),
+        (PARAMETER_4, "01 03 04 00 00 00 4D"),
         ("01 03 14 00 00 01", "01 03 02 BE EF"),
         ("01 03 16 05 00 01", "01 03 02 12 34"),
         ("01 03 10 36 00 01", "01 03 02 00 00"),
     ] {
-        assert_eq!(again.handle(&seal(bytes(read))), Some(seal(bytes(expected))), "{read}");
+        answers(&mut again, read, expected);
     }
 }
 
@@ -41,7 +39,7 @@ fn what_is_being_written_when_the_supply_fails_is_lost() {
     set_parameter(&mut board, parameters::DEFAULT_ACCELERATION, 77);
     board.advance(5 * MS);
     board.brown_out(0);
-    assert_eq!(parameter_4(&mut board), Some(seal(bytes("01 03 04 00 00 00 32"))));
+    answers(&mut board, PARAMETER_4, "01 03 04 00 00 00 32");
     assert!(!board.status().has(Status::EEPROM_BUSY));
 }
 
@@ -49,7 +47,7 @@ fn what_is_being_written_when_the_supply_fails_is_lost() {
 fn a_broken_eeprom_says_so_in_b15_and_by_exception_4() {
     for refuses in [true, false] {
         let assumptions = Assumptions { eeprom_refuses: refuses, ..Assumptions::default() };
-        let mut board = Board::new(&BoardOptions { assumptions, ..BoardOptions::default() });
+        let mut board = assumed(assumptions);
         board.set_eeprom_broken(true);
         let code = refusal(&mut board, "01 10 11 08 00 02 04 00 00 00 4D");
         assert_eq!(code, refuses.then_some(4));
@@ -57,7 +55,7 @@ fn a_broken_eeprom_says_so_in_b15_and_by_exception_4() {
         board.advance(20 * MS);
         assert!(board.status().has(Status::EEPROM_ERROR) && board.eeprom_generation() == 0);
         // RAM has it, the EEPROM has not.
-        assert_eq!(parameter_4(&mut board), Some(seal(bytes("01 03 04 00 00 00 4D"))));
+        answers(&mut board, PARAMETER_4, "01 03 04 00 00 00 4D");
         // A write that succeeds clears it.
         board.set_eeprom_broken(false);
         assert_eq!(refusal(&mut board, "01 10 11 08 00 02 04 00 00 00 4D"), None);
@@ -81,7 +79,7 @@ fn images_that_are_none_are_refused() {
 
 #[test]
 fn a_power_failure_in_a_move_loses_the_counters_and_locks() {
-    let mut board = unlocked();
+    let mut board = on_bench(vec![switch(5, BoardAxis::X, 500, 900_000)]);
     send(&mut board, go(BoardAxis::X, 100_000));
     board.handle(&vector(24)).unwrap();
     assert_eq!(refusal(&mut board, "01 05 01 40 FF 00"), None);
@@ -95,13 +93,12 @@ fn a_power_failure_in_a_move_loses_the_counters_and_locks() {
     board.advance(MS);
     let status = board.status();
     assert!(status.locked() && status.moving().is_empty() && status.has(Status::BUFFER_EMPTY));
-    assert_eq!((board.counters(), board.outputs()), ([0; 5], 0));
+    assert_eq!((board.counters(), board.outputs(), board.inputs()), ([0; 5], 0, 1 << 4));
     answers(&mut board, "01 01 01 40 00 01", "01 01 01 00");
     // The mechanics are where they were, on a whole step.
     same(board.mechanical(BoardAxis::X), place);
     board.handle(&vector(1)).unwrap();
-    send(&mut board, go(BoardAxis::X, 500));
-    board.advance(5000 * MS);
+    send_for(&mut board, go(BoardAxis::X, 500), 5000);
     same(board.mechanical(BoardAxis::X), place + 500.0);
 }
 
@@ -118,8 +115,7 @@ fn the_line_parameters_count_from_the_next_start_on() {
     assert!(board.handle(&seal(bytes("09 04 04 00 00 0C"))).is_some());
     assert_eq!(board.line(), Line { baud: 19_200, parity: crate::Parity::Even });
 
-    let assumptions = Assumptions { line_at_restart: false, ..Assumptions::default() };
-    let mut board = Board::new(&BoardOptions { assumptions, ..BoardOptions::default() });
+    let mut board = assumed(Assumptions { line_at_restart: false, ..Assumptions::default() });
     let mut frame = bytes("01 10 11 CE 00 02 04 00 00 00 09");
     assert!(board.handle(&seal(frame.clone())).is_some());
     frame[0] = 9;
@@ -159,8 +155,7 @@ fn the_emergency_stop_input_acts_like_enable() {
     let mut board = unlocked();
     set_parameter(&mut board, parameters::EMERGENCY_STOP_INPUT, 6);
     set_parameter(&mut board, parameters::SPECIAL_POLARITY, 0);
-    send(&mut board, go(BoardAxis::X, 100_000));
-    board.advance(500 * MS);
+    send_for(&mut board, go(BoardAxis::X, 100_000), 500);
     board.set_input(6, true);
     board.advance(99 * MS);
     assert!(!board.status().enable_open());
@@ -192,30 +187,25 @@ fn a_status_that_is_stuck_says_what_it_said() {
 
 #[test]
 fn assumptions_can_be_others() {
-    let with = |assumptions| {
-        let mut board = Board::new(&BoardOptions { assumptions, ..BoardOptions::default() });
-        board.handle(&vector(1));
-        board
-    };
     let usual = Assumptions::default();
     // Absent arguments are 0: command 80 without target goes to 0.
-    let mut board = with(Assumptions { arguments_stay: false, ..usual });
+    let mut board = assumed(Assumptions { arguments_stay: false, ..usual });
     board.handle(&vector(11)).unwrap();
     board.advance(20_000 * MS);
     assert_eq!(write(&mut board, &[80, 1, 200, 50, 0, 20_000, 40]), None);
     board.advance(20_000 * MS);
     assert_eq!(board.counters()[0], 0);
     // The lock coil reads 1 when unlocked.
-    let mut board = with(Assumptions { lock_coil: false, ..usual });
+    let mut board = assumed(Assumptions { lock_coil: false, ..usual });
     assert_eq!(board.handle(&vector(26)), Some(seal(bytes("01 01 01 01"))));
     board.handle(&seal(bytes("01 05 01 20 00 00"))).unwrap();
     assert!(board.status().locked());
     // Broadcasts are ignored.
-    let mut board = with(Assumptions { broadcasts: false, ..usual });
+    let mut board = assumed(Assumptions { broadcasts: false, ..usual });
     assert_eq!(board.handle(&seal(bytes("00 05 01 00 FF 00"))), None);
     assert_eq!(board.outputs(), 0);
     // A locked board refuses motion and outputs, and nothing else.
-    let mut board = with(Assumptions { locked_exception: Some(6), ..usual });
+    let mut board = assumed(Assumptions { locked_exception: Some(6), ..usual });
     board.handle(&vector(18)).unwrap();
     assert_eq!(write(&mut board, &go(BoardAxis::X, 5).registers()), Some(6));
     assert_eq!(refusal(&mut board, "01 05 01 00 FF 00"), Some(6));
@@ -223,18 +213,16 @@ fn assumptions_can_be_others() {
     assert_eq!(refusal(&mut board, "01 05 01 40 FF 00"), None);
     assert_eq!(board.handle(&vector(1)), Some(vector(2)));
     // ENABLE is lost with a ramp.
-    let mut board = with(Assumptions { enable_loss: BoardStop::OnRamp, ..usual });
-    send(&mut board, go(BoardAxis::X, 100_000));
-    board.advance(1000 * MS);
+    let mut board = assumed(Assumptions { enable_loss: BoardStop::OnRamp, ..usual });
+    send_for(&mut board, go(BoardAxis::X, 100_000), 1000);
     board.set_enable(false);
     board.advance(101 * MS);
     assert!(board.status().locked() && !board.status().moving().is_empty());
     // Segments that wait are kept over the loss of ENABLE.
     for (keeps, end) in [(false, 0), (true, 7000)] {
-        let mut board = with(Assumptions { enable_loss_keeps_segments: keeps, ..usual });
+        let mut board = assumed(Assumptions { enable_loss_keeps_segments: keeps, ..usual });
         for target in [100_000, 7000] {
-            let targets = [Some(target), None, None, None, None];
-            send(&mut board, Command::Interpolated { speed_hz: 5000, targets });
+            send(&mut board, segment_of_x(5000, target));
         }
         board.advance(1000 * MS);
         board.set_enable(false);
@@ -249,7 +237,7 @@ fn assumptions_can_be_others() {
         assert_eq!(board.counters()[0], if keeps { end } else { stands });
     }
     // Codes of one's own.
-    let mut board = with(Assumptions {
+    let mut board = assumed(Assumptions {
         exceptions_address: 11,
         exceptions_value: 12,
         exceptions_failure: 13,
@@ -259,21 +247,14 @@ fn assumptions_can_be_others() {
     assert_eq!(refusal(&mut board, "01 06 19 ED 00 01"), Some(11));
     assert_eq!(write(&mut board, &[5]), Some(12));
     assert_eq!(write(&mut board, &[6, 1, 0, 5000, 0, 9]), Some(13));
-    // Shorter frames, and other parameters for the ramps of segments.
-    let segments = Assumptions { segment_acceleration: 200, segment_start_stop: 201, ..usual };
-    let mut board = with(Assumptions { most_read: 10, most_written: 8, ..segments });
+    // Shorter frames.
+    let mut board = assumed(Assumptions { most_read: 10, most_written: 8, ..usual });
     assert_eq!(refusal(&mut board, "01 04 04 00 00 0B"), Some(3));
     assert_eq!(refusal(&mut board, "01 03 10 36 00 0B"), Some(3));
     assert_eq!(refusal(&mut board, "01 03 10 36 00 0A"), None);
     assert_eq!(write(&mut board, &[42, 0, 0, 0, 0, 0, 0, 0, 0]), Some(3));
-    set_parameter(&mut board, 200, 10);
-    set_parameter(&mut board, 201, 1000);
-    let targets = [Some(100_000), None, None, None, None];
-    send(&mut board, Command::Interpolated { speed_hz: 5000, targets });
-    board.advance(200 * MS);
-    assert!((board.velocity(BoardAxis::X) - 3000.0).abs() < 1e-6);
     // Firmware before 5.31: no axis moves at the instant of reversal.
-    let mut board = with(Assumptions { reversal_gap_ns: MS, ..usual });
+    let mut board = assumed(Assumptions { reversal_gap_ns: MS, ..usual });
     board.handle(&vector(11)).unwrap();
     board.advance(1000 * MS);
     board.handle(&vector(12)).unwrap();

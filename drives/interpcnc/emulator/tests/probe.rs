@@ -13,6 +13,21 @@ fn result(board: &mut Board) -> i32 {
     i32::from_be_bytes([answer[3], answer[4], answer[5], answer[6]])
 }
 
+/// Vector 5 with other bytes at some places.
+fn search(others: &[(usize, u8)]) -> Vec<u8> {
+    let mut frame = vector(5);
+    frame.truncate(frame.len() - 2);
+    for (place, byte) in others {
+        frame[*place] = *byte;
+    }
+    seal(frame)
+}
+
+/// True if the search is over and has failed.
+fn failed(board: &Board) -> bool {
+    !board.status().probing() && board.status().probe_failed()
+}
+
 fn probing() -> Board {
     let mut board = unlocked();
     assert_eq!(board.handle(&vector(5)), Some(vector(6)));
@@ -31,8 +46,7 @@ fn vector_5_stops_at_the_edge_of_its_input() {
     // The ramp down takes 9 ms and goes on behind the edge; what was latched stays.
     assert!(board.status().probing());
     board.advance(10 * MS);
-    let status = board.status();
-    assert!(!status.probing() && !status.probe_failed() && status.moving().is_empty());
+    assert!(found(&board) && board.status().moving().is_empty());
     let rest = f64::from(board.counters()[2]);
     assert!((rest + edge + DOWN).abs() <= 1.0, "{rest}");
     assert_eq!(f64::from(result(&mut board)).to_bits(), (-edge).round().to_bits());
@@ -49,8 +63,7 @@ fn the_end_of_the_stroke_is_a_failure() {
     board.set_input(4, true);
     board.set_input(3, false);
     board.advance(11_000 * MS);
-    let status = board.status();
-    assert!(!status.probing() && status.probe_failed());
+    assert!(failed(&board));
     assert_eq!(board.counters(), [0, 0, -10_000, 0, 0]);
     // What was found before is not found now.
     assert_eq!(result(&mut board), 0);
@@ -66,65 +79,52 @@ fn an_input_that_has_the_level_already_is_a_failure() {
     let mut board = unlocked();
     board.set_input(3, true);
     board.handle(&vector(5)).unwrap();
-    let status = board.status();
-    assert!(!status.probing() && status.probe_failed() && status.moving().is_empty());
+    assert!(failed(&board) && board.status().moving().is_empty());
     // A normally closed contact: the level that is awaited is 0.
-    let mut closed = vector(5);
-    let last = closed.len() - 2;
-    closed.truncate(last);
-    closed[16] = 0;
-    board.handle(&seal(closed)).unwrap();
+    board.handle(&search(&[(16, 0)])).unwrap();
     assert!(board.status().probing() && !board.status().probe_failed());
     board.advance(300 * MS);
     board.set_input(3, false);
     board.advance(100 * MS);
-    assert!(!board.status().probing() && !board.status().probe_failed());
+    assert!(found(&board));
     assert!(result(&mut board) < -250);
 }
 
 #[test]
 fn arguments_without_sense_are_a_failure() {
-    for (byte, value) in [(14, 0), (14, 33), (16, 2), (20, 0)] {
-        let mut frame = vector(5);
-        frame.truncate(frame.len() - 2);
-        frame[byte] = value;
-        // A stroke of 0 has both its bytes 0.
-        if byte == 20 {
-            frame[19] = 0;
-        }
+    // Input 0, input 33, level 2, stroke 0.
+    for others in [&[(14, 0)][..], &[(14, 33)], &[(16, 2)], &[(19, 0), (20, 0)]] {
         let mut board = unlocked();
-        board.handle(&seal(frame)).unwrap();
+        board.handle(&search(others)).unwrap();
         let status = board.status();
-        assert!(status.probe_failed() && status.moving().is_empty(), "byte {byte} = {value}");
+        assert!(status.probe_failed() && status.moving().is_empty(), "{others:?}");
     }
 }
 
 #[test]
 fn what_else_stops_the_axis_fails_the_probe() {
-    for number in [17, 18] {
+    for (command, ms, end) in [
+        (Command::RampStop, 100, None),
+        (Command::Stop, 100, None),
+        (go(BoardAxis::Z, 500), 0, Some(500)),
+    ] {
         let mut board = probing();
         board.advance(200 * MS);
-        board.handle(&vector(number)).unwrap();
-        board.advance(100 * MS);
-        let status = board.status();
-        assert!(!status.probing() && status.probe_failed(), "vector {number}");
+        send_for(&mut board, command, ms);
+        assert!(failed(&board), "{command:?}");
+        // The input is nothing to a new move.
+        board.set_input(3, true);
+        board.advance(1000 * MS);
+        assert!(end.is_none_or(|end| board.counters()[2] == end), "{command:?}");
+        assert!(failed(&board), "{command:?}");
     }
-    let mut board = probing();
-    board.advance(200 * MS);
-    send(&mut board, go(BoardAxis::Z, 500));
-    assert!(!board.status().probing() && board.status().probe_failed());
-    // The input is nothing to the new move.
-    board.set_input(3, true);
-    board.advance(1000 * MS);
-    assert_eq!(board.counters()[2], 500);
 }
 
 #[test]
 fn a_locked_board_does_not_probe() {
     let mut board = Board::new(&BoardOptions::default());
     assert_eq!(board.handle(&vector(5)), Some(vector(6)));
-    let status = board.status();
-    assert!(!status.probing() && !status.probe_failed() && status.moving().is_empty());
+    assert!(found(&board) && board.status().moving().is_empty());
 }
 
 #[test]
@@ -132,22 +132,16 @@ fn there_is_one_search_at_a_time() {
     // One with a wrong argument changes nothing of it but B13.
     let mut board = probing();
     board.advance(200 * MS);
-    let mut wrong = vector(5);
-    wrong.truncate(wrong.len() - 2);
-    (wrong[10], wrong[14]) = (1, 40);
-    board.handle(&seal(wrong)).unwrap();
+    board.handle(&search(&[(10, 1), (14, 40)])).unwrap();
     assert!(board.status().probing() && board.status().probe_failed());
     assert_eq!(board.status().moving(), BoardAxis::Z.mask());
     // Another axis takes its place.
-    let mut other = vector(5);
-    other.truncate(other.len() - 2);
-    (other[10], other[14]) = (1, 4);
-    board.handle(&seal(other)).unwrap();
+    board.handle(&search(&[(10, 1), (14, 4)])).unwrap();
     board.advance(100 * MS);
     assert_eq!(board.status().moving(), BoardAxis::X.mask());
     board.set_input(3, true);
     assert!(board.status().probing());
     board.set_input(4, true);
     board.advance(100 * MS);
-    assert!(!board.status().probing() && !board.status().probe_failed());
+    assert!(found(&board));
 }

@@ -18,9 +18,8 @@ fn segments_are_carried_out_one_after_the_other_and_stop_in_between() {
     send(&mut board, segment(5000, Some(3000), Some(4000)));
     assert!(!board.status().has(Status::BUFFER_EMPTY));
     // Each ramps from 200 to 5000 Hz and back: 96 ms and 249.6 steps per ramp, the rest at 5000 Hz.
-    let took_ms = |steps: f64| 2.0 * 96.0 + (steps - 2.0 * 249.6) / 5.0;
-    let first = twin_drives::ramp::nanoseconds(1e-3 * took_ms(3000.0));
-    board.advance(first - MS / 10);
+    let each = twin_drives::ramp::nanoseconds(1e-3 * (2.0 * 96.0 + (3000.0 - 2.0 * 249.6) / 5.0));
+    board.advance(each - MS / 10);
     // At the end of the first segment both are as slow as the start frequency of the major axis allows.
     assert!(board.velocity(BoardAxis::X) < 206.0 && board.velocity(BoardAxis::Y) < 69.0);
     assert!(board.velocity(BoardAxis::X) >= 200.0);
@@ -28,8 +27,7 @@ fn segments_are_carried_out_one_after_the_other_and_stop_in_between() {
     assert_eq!(board.counters()[0], 3000);
     assert_eq!(board.status().interpolating(), BoardAxis::Y.mask());
     assert!(board.status().has(Status::BUFFER_EMPTY) && !board.status().segments_finished());
-    let second = twin_drives::ramp::nanoseconds(1e-3 * took_ms(3000.0));
-    board.advance(second - MS);
+    board.advance(each - MS);
     assert!(!board.status().segments_finished());
     board.advance(2 * MS);
     assert!(board.status().segments_finished());
@@ -38,36 +36,39 @@ fn segments_are_carried_out_one_after_the_other_and_stop_in_between() {
 
 #[test]
 fn parameters_4_and_5_are_its_ramp() {
-    let mut board = unlocked();
-    set_parameter(&mut board, parameters::DEFAULT_ACCELERATION, 10);
-    set_parameter(&mut board, parameters::DEFAULT_START_STOP, 1000);
-    send(&mut board, segment(5000, Some(100_000), None));
-    board.advance(200 * MS);
-    assert!((board.velocity(BoardAxis::X) - 3000.0).abs() < 1e-6);
-    board.advance(200 * MS);
-    assert!((board.velocity(BoardAxis::X) - 5000.0).abs() < 1e-6);
+    let usual = Assumptions::default();
+    let others = Assumptions { segment_acceleration: 200, segment_start_stop: 201, ..usual };
+    for (assumptions, acceleration, start_stop) in [
+        (usual, parameters::DEFAULT_ACCELERATION, parameters::DEFAULT_START_STOP),
+        (others, 200, 201),
+    ] {
+        let mut board = assumed(assumptions);
+        set_parameter(&mut board, acceleration, 10);
+        set_parameter(&mut board, start_stop, 1000);
+        send_for(&mut board, segment_of_x(5000, 100_000), 200);
+        same(board.velocity(BoardAxis::X), 3000.0);
+        board.advance(200 * MS);
+        same(board.velocity(BoardAxis::X), 5000.0);
+    }
 }
 
 #[test]
 fn the_buffer_holds_64_segments_and_refuses_the_next_with_exception_4() {
-    let mut board = unlocked();
-    // One is carried out, 64 wait.
-    for target in 1..=65 {
-        assert_eq!(refused(&mut board, &segment(5000, Some(1000 * target), None)), None);
+    let usual = Assumptions::default();
+    for (assumptions, size) in [(usual, 64), (Assumptions { buffer_segments: 1, ..usual }, 1)] {
+        let mut board = assumed(assumptions);
+        // One is carried out, the others wait.
+        for target in 1..=size + 1 {
+            assert_eq!(refused(&mut board, &segment_of_x(5000, 1000 * target)), None);
+        }
+        assert_eq!(refused(&mut board, &segment_of_x(5000, 0)), Some(4), "{size}");
+        board.advance(400 * MS);
+        let last = 1000 * (size + 2);
+        assert_eq!(refused(&mut board, &segment_of_x(5000, last)), None);
+        assert_eq!(refused(&mut board, &segment_of_x(5000, 0)), Some(4), "{size}");
+        board.advance(60_000 * MS);
+        assert_eq!(board.counters()[0], last);
     }
-    assert_eq!(refused(&mut board, &segment(5000, Some(0), None)), Some(4));
-    board.advance(400 * MS);
-    assert_eq!(refused(&mut board, &segment(5000, Some(66_000), None)), None);
-    assert_eq!(refused(&mut board, &segment(5000, Some(0), None)), Some(4));
-    board.advance(60_000 * MS);
-    assert_eq!(board.counters()[0], 66_000);
-
-    let assumptions = Assumptions { buffer_segments: 1, ..Assumptions::default() };
-    let mut board = Board::new(&BoardOptions { assumptions, ..BoardOptions::default() });
-    board.handle(&vector(1)).unwrap();
-    assert_eq!(refused(&mut board, &segment(5000, Some(1000), None)), None);
-    assert_eq!(refused(&mut board, &segment(5000, Some(2000), None)), None);
-    assert_eq!(refused(&mut board, &segment(5000, Some(3000), None)), Some(4));
 }
 
 #[test]
@@ -89,8 +90,7 @@ fn a_waiting_segment_waits_for_an_axis_that_was_started_meanwhile() {
     let mut board = unlocked();
     send(&mut board, segment(5000, None, Some(5000)));
     send(&mut board, segment(5000, Some(100), Some(0)));
-    send(&mut board, go(BoardAxis::X, 100_000));
-    board.advance(2000 * MS);
+    send_for(&mut board, go(BoardAxis::X, 100_000), 2000);
     // Y has arrived; X moves for 5.45 s: the buffer is held and not empty.
     assert_eq!(board.counters()[1], 5000);
     assert!(board.status().has(Status::BUFFER_FROZEN) && !board.status().has(Status::BUFFER_EMPTY));
@@ -104,12 +104,10 @@ fn a_ramp_stop_brakes_along_the_line_and_clears_the_buffer() {
     for command in [Command::RampStop, Command::Stop] {
         let mut board = unlocked();
         send(&mut board, segment(5000, Some(60_000), Some(20_000)));
-        send(&mut board, segment(5000, Some(0), Some(0)));
-        board.advance(1000 * MS);
+        send_for(&mut board, segment(5000, Some(0), Some(0)), 1000);
         // The ramp stop of axes is for independent moves only.
-        send(&mut board, Command::RampStopAxes { axes: AxisMask::ALL });
-        board.advance(100 * MS);
-        assert!((board.velocity(BoardAxis::X) - 5000.0).abs() < 1e-6);
+        send_for(&mut board, Command::RampStopAxes { axes: AxisMask::ALL }, 100);
+        same(board.velocity(BoardAxis::X), 5000.0);
         let before = x(&board);
         send(&mut board, command);
         assert!(board.status().has(Status::BUFFER_EMPTY));
@@ -126,8 +124,7 @@ fn a_ramp_stop_brakes_along_the_line_and_clears_the_buffer() {
 fn the_bench_can_freeze_the_buffer() {
     let mut board = unlocked();
     board.set_condition(Condition::BufferFrozen, true);
-    send(&mut board, segment(5000, Some(1000), None));
-    board.advance(1000 * MS);
+    send_for(&mut board, segment(5000, Some(1000), None), 1000);
     assert!(board.status().has(Status::BUFFER_FROZEN) && !board.status().has(Status::BUFFER_EMPTY));
     assert_eq!(board.counters()[0], 0);
     board.set_condition(Condition::BufferFrozen, false);
@@ -164,8 +161,8 @@ proptest::proptest! {
             while !board.status().segments_finished() {
                 board.advance(37 * MS);
                 // Position relative to the start is in proportion to the way at every instant.
-                let part = |axis| board.position(axis);
-                let (x, y) = (part(BoardAxis::X) - f64::from(at.0), part(BoardAxis::Y) - f64::from(at.1));
+                let x = board.position(BoardAxis::X) - f64::from(at.0);
+                let y = board.position(BoardAxis::Y) - f64::from(at.1);
                 let across = x * f64::from(dy) - y * f64::from(dx);
                 proptest::prop_assert!(across.abs() < 1e-3, "{across}");
                 left -= 1;
@@ -180,13 +177,10 @@ proptest::proptest! {
 /// The manual only asks to take care: such a command may also be answered as usual and do nothing.
 #[test]
 fn axes_in_a_move_of_the_other_kind_may_do_nothing_more() {
-    let assumptions = Assumptions { busy_axis_refuses: false, ..Assumptions::default() };
-    let mut board = Board::new(&BoardOptions { assumptions, ..BoardOptions::default() });
-    board.handle(&vector(1)).unwrap();
-    send(&mut board, segment(2000, Some(20_000), None));
-    board.advance(500 * MS);
+    let mut board = assumed(Assumptions { busy_axis_refuses: false, ..Assumptions::default() });
+    send_for(&mut board, segment(2000, Some(20_000), None), 500);
     send(&mut board, go(BoardAxis::X, -500));
-    send(&mut board, Command::HomeMachine { max_strokes: [Some(400), None, None, None, None] });
+    send(&mut board, Command::HomeMachine { max_strokes: x_only(400) });
     assert_eq!(board.status().interpolating(), BoardAxis::X.mask());
     assert_eq!(board.status().independent(), AxisMask::NONE);
     // Another axis is free, and then not for segments.

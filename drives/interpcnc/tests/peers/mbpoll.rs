@@ -1,8 +1,11 @@
 //! mbpoll, the command line over libmodbus: every table read, every kind of write, the refusals by their names.
 
-use std::{path::Path, process::Command};
+use std::process::Command;
 
-use super::board;
+use crate::{
+    emulator::{EmulatedBoard, EmulatorOptions},
+    tests::emulated,
+};
 
 /// Tables as mbpoll numbers them (`-t`).
 const COILS: &str = "0";
@@ -16,9 +19,22 @@ const HOLDING_LONG: &str = "4:int";
 type Others = &'static [(u16, i64)];
 
 /// mbpoll on the wire to a board.
-struct Mbpoll<'a>(&'a Path);
+struct Mbpoll(EmulatedBoard);
 
-impl Mbpoll<'_> {
+impl Mbpoll {
+    /// `None`, and a word about it, where mbpoll is not installed.
+    fn start() -> Option<Self> {
+        if Command::new("mbpoll").arg("-V").output().is_ok_and(|output| output.status.success()) {
+            return Some(Self(emulated(&EmulatorOptions::default())));
+        }
+        println!("no mbpoll here: not witnessed");
+        None
+    }
+
+    fn port(&self) -> &str {
+        self.0.path().to_str().unwrap()
+    }
+
     /// What it says with these arguments, or its complaint.
     fn run(address: &str, table: &str, rest: &[&str]) -> Result<String, String> {
         let mut mbpoll = Command::new("mbpoll");
@@ -33,8 +49,7 @@ impl Mbpoll<'_> {
     /// `count` values from `address` on. It shows each as `[address]: value`, words beyond 32767 also as negative.
     fn read(&self, table: &str, address: u16, count: u16) -> Vec<i64> {
         let (address, count) = (address.to_string(), count.to_string());
-        let port = self.0.to_str().unwrap();
-        let said = Self::run("1", table, &["-r", &address, "-c", &count, port]).unwrap();
+        let said = Self::run("1", table, &["-r", &address, "-c", &count, self.port()]).unwrap();
         let values = said.lines().filter_map(|line| line.strip_prefix('[')?.split_once("]:"));
         values.map(|(_, value)| value.split_whitespace().next().unwrap().parse().unwrap()).collect()
     }
@@ -42,7 +57,7 @@ impl Mbpoll<'_> {
     fn write(&self, table: &str, address: u16, values: &[i64]) -> Result<(), String> {
         let values: Vec<_> = values.iter().map(i64::to_string).collect();
         let address = address.to_string();
-        let mut rest = vec!["-r", &address, self.0.to_str().unwrap(), "--"];
+        let mut rest = vec!["-r", &address, self.port(), "--"];
         rest.extend(values.iter().map(String::as_str));
         let said = Self::run("1", table, &rest)?;
         let expected = format!("Written {} references.", values.len());
@@ -68,22 +83,9 @@ impl Mbpoll<'_> {
     }
 }
 
-/// `None`, and a word about it, where mbpoll is not installed.
-fn installed() -> Option<()> {
-    if Command::new("mbpoll").arg("-V").output().is_ok_and(|output| output.status.success()) {
-        return Some(());
-    }
-    println!("no mbpoll here: not witnessed");
-    None
-}
-
 #[test]
 fn mbpoll_reads_every_block_of_the_emulated_board() {
-    if installed().is_none() {
-        return;
-    }
-    let board = board();
-    let it = Mbpoll(board.path());
+    let Some(it) = Mbpoll::start() else { return };
     // First address, number of values and, where one is not 0 after power-up, which: B5 and B8 of the status, the
     // board's lock; parameters 101 (speed) and 103 (address); the size of recipes.
     let blocks: [(&str, u16, u16, Others); 20] = [
@@ -119,11 +121,7 @@ fn mbpoll_reads_every_block_of_the_emulated_board() {
 
 #[test]
 fn mbpoll_moves_the_emulated_board_and_switches_its_outputs() {
-    if installed().is_none() {
-        return;
-    }
-    let board = board();
-    let it = Mbpoll(board.path());
+    let Some(it) = Mbpoll::start() else { return };
     // Locked: confirmed and not done. Command 80 to X.
     let to_3000 = [80, 1, 200, 500, 0, 20_000, 400, 0, 3000];
     it.command(&to_3000);
@@ -171,14 +169,8 @@ fn mbpoll_moves_the_emulated_board_and_switches_its_outputs() {
 
 #[test]
 fn mbpoll_is_refused_what_the_board_cannot_do() {
-    if installed().is_none() {
-        return;
-    }
-    let board = board();
-    let it = Mbpoll(board.path());
-    let port = board.path().to_str().unwrap();
-    let address = "Illegal data address";
-    let value = "Illegal data value";
+    let Some(it) = Mbpoll::start() else { return };
+    let (address, value) = ("Illegal data address", "Illegal data value");
     for (table, first, count) in [
         (INPUT, "1056", "1"),
         (INPUT, "1023", "1"),
@@ -188,7 +180,8 @@ fn mbpoll_is_refused_what_the_board_cannot_do() {
         (COILS, "512", "1"),
         (DISCRETE, "2304", "1"),
     ] {
-        let complaint = Mbpoll::run("1", table, &["-r", first, "-c", count, port]).unwrap_err();
+        let complaint =
+            Mbpoll::run("1", table, &["-r", first, "-c", count, it.port()]).unwrap_err();
         assert!(complaint.contains(address), "{table} {first}: {complaint}");
     }
     let writes: [(&str, u16, &[i64], &str); 9] = [
@@ -207,7 +200,7 @@ fn mbpoll_is_refused_what_the_board_cannot_do() {
         assert!(complaint.contains(expected), "{table} {first}: {complaint}");
     }
     // Nobody else answers, and the board still does.
-    let complaint = Mbpoll::run("2", INPUT, &["-r", "1024", port]).unwrap_err();
+    let complaint = Mbpoll::run("2", INPUT, &["-r", "1024", it.port()]).unwrap_err();
     assert!(complaint.contains("Connection timed out"), "{complaint}");
     assert_eq!(it.status(), 0x120);
 }

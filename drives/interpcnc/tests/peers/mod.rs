@@ -6,10 +6,3 @@
 
 mod mbpoll;
 mod pymodbus;
-
-use crate::emulator::{EmulatedBoard, EmulatorOptions};
-use crate::tests::common::wall_clock;
-
-fn board() -> EmulatedBoard {
-    EmulatedBoard::start(&EmulatorOptions::default(), wall_clock()).unwrap()
-}

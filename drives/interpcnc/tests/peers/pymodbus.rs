@@ -4,15 +4,20 @@ use std::{env, ffi::OsString, process::Command as Process, sync::Arc, time::Dura
 
 use tokio_serial::SerialStream;
 
-use super::board;
-use crate::Exception;
-use crate::tests::common::fault_of;
-use crate::tests::{common::wall_clock, peer::Peer};
 use crate::{
-    AxisOptions, BoardAxis, Command, InterpCnc, InterpCncOptions, MoveProfile,
-    protocol::registers::Status,
+    AxisOptions, BoardAxis, Command, Exception, InterpCnc, InterpCncOptions, MoveProfile,
+    emulator::{EmulatorOptions, Event},
+    protocol::{registers::Status, vectors::vector},
+    tests::{
+        LOCKED,
+        common::{fault_of, wall_clock},
+        emulated, fails,
+        peer::Peer,
+        profile,
+        vectors::{commands, slow_home},
+    },
 };
-use twin_drives::{DriveError, emulator_host::PseudoTerminal};
+use twin_drives::emulator_host::PseudoTerminal;
 
 /// Version the tests are about.
 const VERSION: &str = "3.16.1";
@@ -37,7 +42,7 @@ fn start(script: &str, port: &str) -> Option<Peer> {
 
 #[test]
 fn pymodbus_is_the_master_of_the_emulated_board() {
-    let board = board();
+    let board = emulated(&EmulatorOptions::default());
     let Some(mut master) = start("pymodbus_master.py", board.path().to_str().unwrap()) else {
         return;
     };
@@ -46,16 +51,10 @@ fn pymodbus_is_the_master_of_the_emulated_board() {
         let line = master.line();
         match *line.split(' ').collect::<Vec<_>>().as_slice() {
             ["agreed", part] => agreed.push(part.to_owned()),
-            ["enable", closed] => {
-                board.happen(crate::emulator::Event::Enable(closed == "1")).unwrap();
-            }
+            ["enable", closed] => board.happen(Event::Enable(closed == "1")).unwrap(),
             ["input", number, level] => {
-                board
-                    .happen(crate::emulator::Event::Input {
-                        number: number.parse().unwrap(),
-                        level: level == "1",
-                    })
-                    .unwrap();
+                let number = number.parse().unwrap();
+                board.happen(Event::Input { number, level: level == "1" }).unwrap();
             }
             _ => break,
         }
@@ -89,73 +88,38 @@ async fn the_driver_gives_every_command_to_pymodbus() {
     assert_eq!(driver.state(clock).await.unwrap().0.status, Status(0x20));
     assert_eq!(peer.have("requests"), "16 4096 66,1");
 
-    let (x, z) = (BoardAxis::X.mask(), BoardAxis::Z.mask());
-    let strokes = [Some(10_000), Some(20_000), None, None, None];
-    let profile = MoveProfile {
-        start_stop_hz: 200,
-        acceleration_khz_per_s: 50,
-        speed_hz: 150_000,
-        deceleration_khz_per_s: 40,
-        target: -5000,
+    // The registers of the vectors; then, 65536 − n where a word is negative, of other axes, masks and bits.
+    let registers = |number| {
+        let frame: Vec<u8> = vector(number);
+        let words = frame[7..frame.len() - 2].chunks_exact(2);
+        let words = words.map(|word| u16::from_be_bytes([word[0], word[1]]).to_string());
+        words.collect::<Vec<_>>().join(",")
     };
-    let probe = Command::Probe {
-        axes: BoardAxis::Z.mask(),
-        positive: false,
-        input: 3,
-        level: 1,
-        max_stroke: 10_000,
-        speed_hz: 1000,
-        start_stop_hz: 100,
-        acceleration_khz_per_s: 50,
-        deceleration_khz_per_s: 100,
-    };
-    let home = Command::HomeAxis {
-        axis: BoardAxis::B,
-        input: 5,
-        contact: 0,
-        acceleration_khz_per_s: 20,
-        fast_hz: 4000,
-        deceleration_khz_per_s: 40,
-        max_stroke: -60_000,
-        slow_hz: 300,
-        final_position: -1,
-    };
-    // The manual's tables and examples, register by register; 65536 − n where a word is negative.
-    let commands = [
+    let of_vectors = commands().into_iter().map(|(number, command)| (command, registers(number)));
+    let targets = [1, 2, 3, 4, -5].map(Some);
+    let fast = MoveProfile { speed_hz: 150_000, ..profile(-5000) };
+    let others = [
         (
-            Command::Interpolated {
-                speed_hz: 5000,
-                targets: [Some(1000), None, Some(-2000), None, None],
-            },
-            "6,5,0,5000,0,1000,65535,63536",
-        ),
-        (
-            Command::Interpolated { speed_hz: 70_000, targets: [1, 2, 3, 4, -5].map(Some) },
+            Command::Interpolated { speed_hz: 70_000, targets },
             "6,31,1,4464,0,1,0,2,0,3,0,4,65535,65531",
         ),
-        (Command::HomeMachine { max_strokes: strokes }, "71,3,0,10000,0,20000"),
-        (Command::Move { axis: BoardAxis::X, profile }, "80,1,200,50,2,18928,40,65535,60536"),
-        (Command::Move { axis: BoardAxis::B, profile }, "80,16,200,50,2,18928,40,65535,60536"),
-        (probe, "40,4,65535,3,1,0,10000,0,1000,100,50,100"),
-        (home, "78,5,5,0,20,0,4000,40,65535,5536,300,65535,65535"),
         (
-            Command::WritePosition { positions: [Some(1000), None, Some(0), None, None] },
-            "67,5,0,1000,0,0",
+            Command::Move { axis: BoardAxis::B, profile: fast },
+            "80,16,200,50,2,18928,40,65535,60536",
         ),
-        (Command::ChangeSpeed { axes: x, speed_hz: 10_000 }, "96,1,0,10000"),
-        (Command::RampStopAxes { axes: x.union(z) }, "41,5"),
-        (Command::RampStop, "42"),
+        (slow_home(BoardAxis::B, -1), "78,5,5,0,20,0,4000,40,65535,5536,300,65535,65535"),
+        (Command::RampStopAxes { axes: BoardAxis::X.mask().union(BoardAxis::Z.mask()) }, "41,5"),
         (Command::Reset { unlock: false, homing_error: true, probe_error: true }, "66,6"),
-        (Command::Stop, "43"),
     ];
-    for (command, expected) in commands {
+    let others = others.map(|(command, registers)| (command, registers.to_owned()));
+    for (command, expected) in of_vectors.chain(others) {
         driver.send(&command, clock).await.unwrap();
         assert_eq!(peer.have("requests"), format!("16 4096 {expected}"));
     }
     driver.unlock(clock).await.unwrap();
     // What waits for its end.
     let patience = Duration::from_secs(5);
-    driver.move_axis(BoardAxis::X, &profile, patience, clock).await.unwrap();
+    driver.move_axis(BoardAxis::X, &profile(-5000), patience, clock).await.unwrap();
     assert_eq!(driver.state(clock).await.unwrap().0.positions[0], -5000);
     peer.end();
 }
@@ -198,20 +162,17 @@ async fn the_driver_reads_and_writes_every_block_of_pymodbus() {
 async fn the_driver_tells_every_exception_of_pymodbus() {
     let Some((mut driver, mut peer, _terminal)) = wired() else { return };
     let clock = &wall_clock();
-    for expected in [1, 2, 3, 4, 6] {
-        assert_eq!(peer.have(&format!("refuse {expected}")), "done");
-        assert_eq!(fault_of(&driver.state(clock).await), Some(&Exception(expected)));
-        assert_eq!(peer.have(&format!("refuse {expected}")), "done");
-        assert_eq!(
-            fault_of(&driver.send(&Command::RampStop, clock).await),
-            Some(&Exception(expected))
-        );
-        assert_eq!(peer.have(&format!("refuse {expected}")), "done");
-        assert_eq!(fault_of(&driver.set_output(1, true, clock).await), Some(&Exception(expected)));
+    for code in [1, 2, 3, 4, 6] {
+        let (refuse, expected) = (format!("refuse {code}"), Exception(code));
+        assert_eq!(peer.have(&refuse), "done");
+        assert_eq!(fault_of(&driver.state(clock).await), Some(&expected));
+        assert_eq!(peer.have(&refuse), "done");
+        assert_eq!(fault_of(&driver.send(&Command::RampStop, clock).await), Some(&expected));
+        assert_eq!(peer.have(&refuse), "done");
+        assert_eq!(fault_of(&driver.set_output(1, true, clock).await), Some(&expected));
     }
     // A locked board confirms the switching of an output and leaves it alone.
-    let locked = driver.set_output(1, true, clock).await;
-    assert!(matches!(locked, Err(DriveError::Locked { .. })), "{locked:?}");
+    fails(&driver.set_output(1, true, clock).await, LOCKED);
     assert_eq!(peer.have("requests"), "5 256 1");
     driver.state(clock).await.unwrap();
     peer.end();

@@ -3,30 +3,13 @@
 use super::*;
 use crate::{
     BoardAxis,
-    emulator::{Board, BoardOptions},
     protocol::{parameters, registers::Status},
+    tests::{MS, Plan, line, unlocked},
 };
-use twin_drives::IncrementMotion;
-
-const MS: i64 = 1_000_000;
 
 /// 3000 steps/s for ever, seen at an instant.
-struct Line3000(i64);
-
-impl SetpointStream for Line3000 {
-    fn now_ns(&self) -> i64 {
-        self.0
-    }
-
-    fn at(&self, time_ns: i64) -> IncrementMotion {
-        let mut motion = IncrementMotion::default();
-        (motion.position[0], motion.velocity[0]) = (3000.0 * seconds(time_ns), 3000.0);
-        motion
-    }
-
-    fn horizon_ns(&self) -> i64 {
-        250 * MS
-    }
+fn at_3000(now_ns: i64) -> impl SetpointStream {
+    Plan::new(move || now_ns, 0, f64::INFINITY, line(3000.0))
 }
 
 fn stamp(executed_ns: i64) -> Stamp {
@@ -50,34 +33,34 @@ fn target(order: &SegmentOrder) -> f64 {
 #[test]
 fn nothing_is_sent_before_the_axes_have_been_seen_at_rest() {
     let mut follower = follower();
-    assert!(follower.order(&Line3000(0), 0).is_none());
+    assert!(follower.order(&at_3000(0), 0).is_none());
     // Something else is under way.
     follower.sampled(&stamp(0), [500].into_iter(), false);
-    assert!(follower.order(&Line3000(0), 0).is_none());
+    assert!(follower.order(&at_3000(0), 0).is_none());
     follower.sampled(&stamp(0), [500].into_iter(), true);
-    assert!(follower.order(&Line3000(0), 0).is_some());
+    assert!(follower.order(&at_3000(0), 0).is_some());
 }
 
 #[test]
 fn a_target_is_on_the_plan_within_its_horizon() {
     let mut follower = follower();
     follower.sampled(&stamp(0), [0].into_iter(), true);
-    let order = follower.order(&Line3000(10 * MS), 10 * MS).unwrap();
+    let order = follower.order(&at_3000(10 * MS), 10 * MS).unwrap();
     assert!(target(&order) > 0.0 && target(&order) <= 3000.0 * 0.26 + 0.5, "{order:?}");
     // While it has enough to do it sends no other.
     follower.executed(&order, 10 * MS, &stamp(17 * MS));
-    assert!(follower.order(&Line3000(20 * MS), 20 * MS).is_none());
+    assert!(follower.order(&at_3000(20 * MS), 20 * MS).is_none());
 }
 
 #[test]
 fn axes_that_were_stopped_on_the_way_go_on_from_where_they_are() {
     let mut follower = follower();
     follower.sampled(&stamp(0), [0].into_iter(), true);
-    let order = follower.order(&Line3000(0), 0).unwrap();
+    let order = follower.order(&at_3000(0), 0).unwrap();
     follower.executed(&order, 0, &stamp(7 * MS));
     // The board says that all is finished, far from the target and long before its time.
     follower.sampled(&stamp(30 * MS), [11].into_iter(), true);
-    let again = follower.order(&Line3000(30 * MS), 30 * MS).unwrap();
+    let again = follower.order(&at_3000(30 * MS), 30 * MS).unwrap();
     // The plan is 90 steps ahead by now; the way from 11 needs a speed that one from the old target does not.
     let modelled = follower.motions(&again, 40 * MS);
     let from = modelled.motions[0].at(40 * MS).position;
@@ -88,7 +71,7 @@ fn axes_that_were_stopped_on_the_way_go_on_from_where_they_are() {
 fn the_model_goes_after_a_board_that_is_late() {
     let mut follower = follower();
     follower.sampled(&stamp(0), [0].into_iter(), true);
-    let order = follower.order(&Line3000(0), 0).unwrap();
+    let order = follower.order(&at_3000(0), 0).unwrap();
     follower.executed(&order, 0, &stamp(7 * MS));
     let before = follower.end_ns().unwrap();
     // In the middle of the segment the counter is what the model was 4 ms earlier.
@@ -104,14 +87,12 @@ fn the_model_goes_after_a_board_that_is_late() {
 fn a_master_that_dies_leaves_no_more_than_the_horizon() {
     // Follower and board with exchanges of 7 ms, until the master dies after so many rounds.
     for rounds in 5..60 {
-        let mut board = Board::new(&BoardOptions::default());
+        let mut board = unlocked();
         board.set_parameter(parameters::DEFAULT_ACCELERATION, 500);
-        let unlock = Command::Reset { unlock: true, homing_error: false, probe_error: false };
-        board.send(&unlock).unwrap();
         let mut follower = follower();
         let mut now_ns = 0;
         for _ in 0..rounds {
-            if let Some(order) = follower.order(&Line3000(now_ns), now_ns) {
+            if let Some(order) = follower.order(&at_3000(now_ns), now_ns) {
                 board.advance(7 * MS);
                 board.send(&order.command()).unwrap();
                 follower.executed(&order, now_ns, &stamp(now_ns + 7 * MS));
