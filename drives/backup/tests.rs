@@ -1,7 +1,5 @@
 //! Files that are wrong, and devices that do not obey.
 
-use std::io::{self, Read, Write};
-
 use super::*;
 use crate::{
     Action, Drive, DriveError, Exchange, Identity, Increments, MAX_DRIVE_AXES, ParameterId,
@@ -239,36 +237,18 @@ fn what_the_device_cannot_have_is_told_by_line() {
     assert_eq!(shelf.values, [1, 2, 77]);
 }
 
-/// A disk that is full, or gone.
-struct Broken;
-
-impl Write for Broken {
-    fn write(&mut self, _bytes: &[u8]) -> io::Result<usize> {
-        Err(io::ErrorKind::StorageFull.into())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Read for Broken {
-    fn read(&mut self, _bytes: &mut [u8]) -> io::Result<usize> {
-        Err(io::ErrorKind::NotFound.into())
-    }
-}
-
 #[test]
 fn files_that_fail_are_named() {
-    let mut shelf = Shelf::new();
+    let (mut shelf, mut full) = (Shelf::new(), [0_u8; 9]);
     let error =
-        write_parameters(&mut shelf, None, Format::Xml, "a/b.xml", &mut Broken).unwrap_err();
+        write_parameters(&mut shelf, None, Format::Xml, "a/b.xml", &mut full.as_mut_slice())
+            .unwrap_err();
     assert_eq!(error.number(), Some(3002));
     assert!(error.to_string().starts_with("a/b.xml: cannot be written"), "{error}");
     let mut silent = Shelf { silent: true, ..Shelf::new() };
     let mut file = Vec::new();
     let error = write_parameters(&mut silent, None, Format::Xml, "f", &mut file).unwrap_err();
     assert_eq!((error.number(), file.len()), (Some(3004), 0));
-    let error = read("a/b.xml", &mut Broken).unwrap_err();
+    let error = read("a/b.xml", &mut std::fs::File::open(".").unwrap()).unwrap_err();
     assert!(error.to_string().starts_with("a/b.xml: cannot be read"), "{error}");
 }

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use super::*;
 
 /// An axis that goes at constant speed and stops at once or after a way; its switch is pressed from `low` to `high`.
+#[derive(Default)]
 struct Axis {
     position: f64,
     target: f64,
@@ -26,19 +27,13 @@ struct Axis {
 impl Axis {
     fn new() -> Self {
         Self {
-            position: 0.0,
-            target: 0.0,
             velocity: 1.0,
-            time_ns: 0,
             look_ns: 1_000_000,
             coasts: 2.0,
             low: -60.0,
             high: -40.0,
-            delay_ns: 0,
             was: vec![(i64::MIN, 0.0)],
-            index: None,
-            limit: None,
-            extremes: (0.0, 0.0),
+            ..Self::default()
         }
     }
 
@@ -112,6 +107,10 @@ fn options(mode: HomingMode) -> HomingOptions {
     HomingOptions { home_position: 500.0, mode, ..HomingOptions::new(10.0, 1000.0, 200.0, 80.0) }
 }
 
+fn usual() -> HomingOptions {
+    options(HomingMode::default())
+}
+
 /// What the axis goes slowly between two looks at the switch.
 const LOOK: f64 = 0.01 + 1e-9;
 
@@ -144,8 +143,7 @@ fn every_mode_finds_its_edge() {
 #[test]
 fn the_other_direction_is_a_mirror() {
     let mut axis = Axis { low: 40.0, high: 60.0, ..Axis::new() };
-    let positive =
-        HomingOptions { direction: Direction::Positive, ..options(HomingMode::default()) };
+    let positive = HomingOptions { direction: Direction::Positive, ..usual() };
     let homing = axis.home(&positive).unwrap();
     assert!((homing.reference().unwrap() - 40.0).abs() <= LOOK);
     assert!((axis.position - 498.0).abs() <= LOOK);
@@ -154,29 +152,24 @@ fn the_other_direction_is_a_mirror() {
 #[test]
 fn a_late_switch_is_corrected() {
     // A third of a second late; slowly that is 3.3 units.
-    let late = 333_000_000;
-    let wide = || Axis { delay_ns: late, low: -150.0, ..Axis::new() };
-    let mut axis = wide();
-    let homing = axis.home(&options(HomingMode::default())).unwrap();
-    let reference = homing.reference().unwrap();
-    assert!((reference + 40.0 - 3.33).abs() < 0.02, "{reference}");
-    let mut axis = wide();
-    let told = HomingOptions { signal_delay: 0.333, ..options(HomingMode::default()) };
-    let homing = axis.home(&told).unwrap();
-    let reference = homing.reference().unwrap();
-    assert!((reference + 40.0).abs() <= LOOK, "{reference}");
+    for (signal_delay, beyond, within) in [(0.0, 3.33, 0.02), (0.333, 0.0, LOOK)] {
+        let mut axis = Axis { delay_ns: 333_000_000, low: -150.0, ..Axis::new() };
+        let homing = axis.home(&HomingOptions { signal_delay, ..usual() }).unwrap();
+        let reference = homing.reference().unwrap();
+        assert!((reference + 40.0 - beyond).abs() < within, "{signal_delay} s: {reference}");
+    }
 }
 
 #[test]
 fn an_axis_may_begin_on_its_switch_or_pass_it() {
     let mut on = Axis { position: -50.0, target: -50.0, ..Axis::new() };
     on.was = vec![(i64::MIN, -50.0)];
-    let homing = on.home(&options(HomingMode::default())).unwrap();
+    let homing = on.home(&usual()).unwrap();
     assert!((homing.reference().unwrap() + 40.0).abs() <= LOOK);
     assert!(on.extremes.0 >= -50.0, "it did not go fast");
     // Braking takes it over the switch and beyond.
     let mut past = Axis { coasts: 30.0, ..Axis::new() };
-    let homing = past.home(&options(HomingMode::default())).unwrap();
+    let homing = past.home(&usual()).unwrap();
     assert!(past.extremes.0 < -60.0);
     assert!((homing.reference().unwrap() + 40.0).abs() <= LOOK, "it came back");
     let mut past = Axis { coasts: 30.0, ..Axis::new() };
@@ -186,19 +179,15 @@ fn an_axis_may_begin_on_its_switch_or_pass_it() {
 
 #[test]
 fn it_goes_no_further_than_it_may() {
-    let far = Axis { low: -1e9, high: -300.0, ..Axis::new() };
-    let mut axis = far;
-    let error = axis.home(&options(HomingMode::default())).unwrap_err();
+    let mut axis = Axis { low: -1e9, high: -300.0, ..Axis::new() };
+    let error = axis.home(&usual()).unwrap_err();
     let expected = HomingFault::Travel { what: "the home switch", from: 0.0, travel: 200.0 };
     assert_eq!((error, axis.extremes), (expected, (-200.0, 0.0)));
     // A switch that stays closed.
     let mut axis = Axis { low: -1e9, high: 1e9, ..Axis::new() };
-    let error = axis.home(&options(HomingMode::default())).unwrap_err();
+    let error = axis.home(&usual()).unwrap_err();
     assert!(matches!(error, HomingFault::Travel { what: "the edge of the home switch", .. }));
-    assert_eq!(
-        (axis.extremes, options(HomingMode::default()).longest_ways()),
-        ((0.0, 80.0), (200.0, 80.0))
-    );
+    assert_eq!((axis.extremes, usual().longest_ways()), ((0.0, 80.0), (200.0, 80.0)));
     // No index.
     let mut axis = Axis::new();
     let forwards = options(HomingMode::FastSlowISStop);
@@ -211,10 +200,10 @@ fn it_goes_no_further_than_it_may() {
 #[test]
 fn limit_switches_end_it_unless_they_are_ignored() {
     let mut axis = Axis { limit: Some((-41.0, false)), ..Axis::new() };
-    let error = axis.home(&options(HomingMode::default())).unwrap_err();
+    let error = axis.home(&usual()).unwrap_err();
     assert!(matches!(error, HomingFault::HardwareLimit { positive: false, .. }), "{error}");
     let mut axis = Axis { limit: Some((-41.0, false)), ..Axis::new() };
-    let ignoring = HomingOptions { ignore_hardware_limit: true, ..options(HomingMode::default()) };
+    let ignoring = HomingOptions { ignore_hardware_limit: true, ..usual() };
     assert!(axis.home(&ignoring).is_ok());
     // Error 51 for the modes that go on over the switch.
     for mode in HomingMode::ALL {
@@ -226,7 +215,7 @@ fn limit_switches_end_it_unless_they_are_ignored() {
 #[test]
 fn it_returns_to_zero() {
     let mut axis = Axis::new();
-    let back = HomingOptions { return_to_zero: true, ..options(HomingMode::default()) };
+    let back = HomingOptions { return_to_zero: true, ..usual() };
     axis.home(&back).unwrap();
     assert!(axis.position.abs() < 1e-9);
     assert!((axis.high - 500.0).abs() <= LOOK, "{}", axis.high);
@@ -235,7 +224,7 @@ fn it_returns_to_zero() {
 /// 50, `SMC_3SH_INVALID_VELACC_VALUES`.
 #[test]
 fn impossible_values_are_refused() {
-    let good = options(HomingMode::default());
+    let good = usual();
     assert_eq!(good.check(), Ok(()));
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         for wrong in [
@@ -250,9 +239,10 @@ fn impossible_values_are_refused() {
         }
     }
     let late = HomingOptions { signal_delay: -0.1, ..good };
-    assert_eq!(late.check().unwrap_err().number(), Some(50));
     let nowhere = HomingOptions { home_position: f64::NAN, ..good };
-    assert_eq!(nowhere.check().unwrap_err().number(), Some(50));
+    for wrong in [late, nowhere] {
+        assert_eq!(wrong.check().unwrap_err().number(), Some(50), "{wrong:?}");
+    }
 }
 
 proptest! {
@@ -264,9 +254,7 @@ proptest! {
     ) {
         let (look_ns, look_s) = (i64::from(look_ms) * 1_000_000, f64::from(look_ms) * 1e-3);
         let mut axis = Axis { low: high - width, high, look_ns, coasts, ..Axis::new() };
-        let options = HomingOptions {
-            velocity_fast: 50.0, ..options(HomingMode::default())
-        };
+        let options = HomingOptions { velocity_fast: 50.0, ..usual() };
         // Fast it is seen twice at least.
         prop_assume!(width > 2.0 * 50.0 * look_s + coasts);
         let homing = axis.home(&options).unwrap();

@@ -7,74 +7,57 @@
 use std::collections::BTreeMap;
 
 use twin_bim2ax as bim2ax;
-use twin_drives::{Assumed, AssumedError, OpenQuestion};
+use twin_drives::{Assumed, AssumedError};
 use twin_interpcnc as interpcnc;
 use twin_smartdrive as smartdrive;
 
-/// Lines of the digest of InterpCNC, and how many assumptions stand on each.
-const INTERPCNC: [(u16, usize); 9] =
-    [(7, 1), (11, 3), (23, 1), (77, 1), (97, 2), (107, 2), (111, 1), (113, 1), (117, 1)];
+/// Lines of the digest of InterpCNC with assumptions, once for each.
+const INTERPCNC: [u16; 13] = [7, 11, 11, 11, 23, 77, 97, 97, 107, 107, 111, 113, 117];
 /// The same of SmartDRIVE.
-const SMARTDRIVE: [(u16, usize); 14] = [
-    (9, 1),
-    (10, 1),
-    (13, 1),
-    (75, 2),
-    (77, 1),
-    (79, 2),
-    (83, 4),
-    (85, 1),
-    (93, 1),
-    (126, 1),
-    (139, 1),
-    (143, 1),
-    (147, 1),
-    (148, 1),
-];
+const SMARTDRIVE: [u16; 19] =
+    [9, 10, 13, 75, 75, 77, 79, 79, 83, 83, 83, 83, 85, 93, 126, 139, 143, 147, 148];
 /// The same of BIM2AX.
-const BIM2AX: [(u16, usize); 10] =
-    [(15, 1), (40, 1), (41, 1), (42, 1), (44, 1), (93, 2), (94, 1), (95, 2), (100, 1), (166, 1)];
+const BIM2AX: [u16; 12] = [15, 40, 41, 42, 44, 93, 93, 94, 95, 95, 100, 166];
 
 /// What `Debug` shows, without spaces and commas, which it sets otherwise over several lines.
 fn plain(text: &str) -> String {
     text.chars().filter(|character| !character.is_whitespace() && *character != ',').collect()
 }
 
-/// Fields of a value with their values, as `Debug` shows them.
+/// Fields of a value with their values, as `Debug` shows them: one begins on each line that is four spaces in.
 fn fields(value: &impl std::fmt::Debug) -> BTreeMap<String, String> {
     let shown = format!("{value:#?}");
-    let mut fields = BTreeMap::new();
-    let mut name = String::new();
-    for line in shown.lines().skip(1) {
-        let inside = line.strip_prefix("    ");
-        if let Some((field, rest)) = inside
-            .filter(|inside| !inside.starts_with([' ', '}', ']', ')']))
-            .and_then(|inside| inside.split_once(": "))
-        {
-            field.clone_into(&mut name);
-            fields.insert(name.clone(), plain(rest));
-        } else if let Some(inside) = inside {
-            *fields.get_mut(&name).unwrap() += &plain(inside);
+    let mut fields: Vec<String> = Vec::new();
+    for piece in shown.trim_end_matches("\n}").split("\n    ").skip(1) {
+        match fields.last_mut() {
+            Some(field) if piece.starts_with([' ', '}', ']', ')']) => *field += piece,
+            _ => fields.push(piece.to_owned()),
         }
     }
-    fields
+    let parted = |field: &String| {
+        let (name, value) = field.split_once(": ").unwrap();
+        (name.to_owned(), plain(value))
+    };
+    fields.iter().map(parted).collect()
 }
 
 /// Compares a table with the lines of the digest and the options that it names.
-fn check<A: std::fmt::Debug>(
-    questions: &[OpenQuestion],
-    lines: &[(u16, usize)],
-    assumptions: &A,
+fn check<A: Assumed + std::fmt::Debug>(
+    lines: &[u16],
+    [driver, device]: [&A; 2],
     others: &[(&str, BTreeMap<String, String>)],
 ) {
-    for (line, count) in lines {
+    assert_eq!(driver, device);
+    let questions = A::QUESTIONS;
+    for line in lines {
         let found: Vec<_> = questions.iter().filter(|question| question.line == *line).collect();
-        assert!(found.len() >= *count, "line {line} has {count} assumptions: {found:?}");
+        let count = lines.iter().filter(|other| *other == line).count();
+        assert!(found.len() >= count, "line {line} has {count} assumptions: {found:?}");
     }
-    let assumed = fields(assumptions);
+    let assumed = fields(driver);
     assert!(assumed.len() > 10, "{assumed:?}");
     for question in questions {
-        let known = question.line == 0 || lines.iter().any(|(line, _)| *line == question.line);
+        let known = question.line == 0 || lines.contains(&question.line);
         assert!(known, "{question:?}");
         let (of, field) = question.option.split_once('.').unwrap();
         let options = if of == "Assumptions" {
@@ -103,13 +86,8 @@ fn check<A: std::fmt::Debug>(
 fn every_assumption_about_the_board_has_an_option() {
     let driver = interpcnc::InterpCncOptions::new(Vec::new());
     let board = interpcnc::emulator::BoardOptions::default();
-    assert_eq!(driver.assumptions, board.assumptions);
-    check(
-        interpcnc::Assumptions::QUESTIONS,
-        &INTERPCNC,
-        &driver.assumptions,
-        &[("BoardOptions", fields(&board)), ("InterpCncOptions", fields(&driver))],
-    );
+    let others = [("BoardOptions", fields(&board)), ("InterpCncOptions", fields(&driver))];
+    check(&INTERPCNC, [&driver.assumptions, &board.assumptions], &others);
 }
 
 #[test]
@@ -117,30 +95,20 @@ fn every_assumption_about_the_drives_has_an_option() {
     use smartdrive::emulator::{DeviceOptions, Wire};
     let driver = smartdrive::SmartDriveOptions::new(Vec::new());
     let device = DeviceOptions::default();
-    assert_eq!(driver.assumptions, device.assumptions);
-    check(
-        smartdrive::Assumptions::QUESTIONS,
-        &SMARTDRIVE,
-        &driver.assumptions,
-        &[
-            ("DeviceOptions", fields(&device)),
-            ("SmartDriveOptions", fields(&driver)),
-            ("Wire", fields(&Wire::default())),
-        ],
-    );
+    let others = [
+        ("DeviceOptions", fields(&device)),
+        ("SmartDriveOptions", fields(&driver)),
+        ("Wire", fields(&Wire::default())),
+    ];
+    check(&SMARTDRIVE, [&driver.assumptions, &device.assumptions], &others);
 }
 
 #[test]
 fn every_assumption_about_the_module_has_an_option() {
     let driver = bim2ax::Bim2AxOptions::default();
     let module = bim2ax::emulator::ModuleOptions::default();
-    assert_eq!(driver.assumptions, module.assumptions);
-    check(
-        bim2ax::Assumptions::QUESTIONS,
-        &BIM2AX,
-        &driver.assumptions,
-        &[("ModuleOptions", fields(&module)), ("Bim2AxOptions", fields(&driver))],
-    );
+    let others = [("ModuleOptions", fields(&module)), ("Bim2AxOptions", fields(&driver))];
+    check(&BIM2AX, [&driver.assumptions, &module.assumptions], &others);
 }
 
 /// The walk over fields sees them all, whatever they hold.
@@ -148,18 +116,15 @@ fn every_assumption_about_the_module_has_an_option() {
 fn fields_are_told_apart() {
     #[derive(Debug)]
     #[expect(dead_code, reason = "shown only")]
-    struct Outer {
+    struct Fields<T> {
         one: u8,
         many: Option<(u8, u8)>,
-        last: Inner,
+        last: T,
     }
-    #[derive(Debug)]
-    #[expect(dead_code, reason = "shown only")]
-    struct Inner {
-        one: u8,
-    }
-    let seen = fields(&Outer { one: 1, many: Some((2, 3)), last: Inner { one: 4 } });
-    let expected = [("last", "Inner{one:4}"), ("many", "Some((23))"), ("one", "1")];
+    let last = Fields { one: 4, many: None, last: () };
+    let seen = fields(&Fields { one: 1, many: Some((2, 3)), last });
+    let last = "Fields{one:4many:Nonelast:()}";
+    let expected = [("last", last), ("many", "Some((23))"), ("one", "1")];
     assert!(seen.iter().map(|(name, value)| (name.as_str(), value.as_str())).eq(expected));
 }
 

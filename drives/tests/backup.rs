@@ -1,6 +1,6 @@
 //! Parameters of all families to a file and back.
 
-use super::bench::{Bench, bim2ax, interpcnc, quick_interpcnc, smartdrive};
+use super::bench::{Bench, in_every_family, interpcnc, quick_interpcnc, smartdrive};
 use twin_drives::{
     Drive, ParameterId, ParameterInfo, Values,
     backup::{Format, plan, read, write_parameters},
@@ -75,18 +75,8 @@ fn survive(mut bench: Bench) {
 }
 
 #[test]
-fn the_parameters_of_an_interpcnc_survive() {
-    survive(quick_interpcnc());
-}
-
-#[test]
-fn the_parameters_of_smartdrives_survive() {
-    survive(smartdrive());
-}
-
-#[test]
-fn the_parameters_of_a_module_survive() {
-    survive(bim2ax());
+fn the_parameters_of_every_family_survive() {
+    in_every_family(quick_interpcnc, survive);
 }
 
 /// A file of another device's family is refused, and the address of a drive stays what it is.

@@ -1,9 +1,10 @@
 //! One device of every family, with switches on its way, behind the trait.
 
-use std::{any::Any, time::Duration};
+use std::time::Duration;
+
+use tempfile::TempDir;
 
 use super::common::WallClock;
-
 use twin_bim2ax as bim2ax;
 use twin_bim2ax::{
     Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
@@ -17,7 +18,7 @@ use twin_drives::{Control, Drive, homing::Switch};
 use twin_interpcnc as interpcnc;
 use twin_interpcnc::{
     AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions,
-    emulator::{EmulatedBoard, Wire},
+    emulator::{Cam, EmulatedBoard, Wire},
 };
 use twin_smartdrive as smartdrive;
 use twin_smartdrive::{
@@ -38,7 +39,7 @@ pub(crate) struct Bench {
     /// Takes its supply away for a moment.
     pub(crate) brown_out: Box<dyn Fn()>,
     /// The files of its emulator.
-    _files: Box<dyn Any>,
+    _files: Option<TempDir>,
 }
 
 /// First increment on which the home switches are not pressed, in the positive direction.
@@ -49,6 +50,12 @@ pub(crate) const FAR: i32 = -900;
 const LIMIT: i32 = -1500;
 
 impl Bench {
+    /// Enables it with the axes at 0 and 77.
+    pub(crate) fn enable(&mut self) {
+        self.drive.enable().unwrap();
+        self.drive.set_position(&[0, 77, 0, 0, 0]).unwrap();
+    }
+
     /// Waits until the axes are at rest.
     pub(crate) fn rest(&mut self) {
         while self.drive.sample(&self.clock).unwrap().moving {}
@@ -70,13 +77,7 @@ pub(crate) fn quick_interpcnc() -> Bench {
 
 fn interpcnc_with(wire: Wire, assumptions: interpcnc::Assumptions) -> Bench {
     let clock = WallClock::new();
-    let cam = |axis, input, from, to| interpcnc::emulator::Cam {
-        input,
-        axis,
-        from,
-        to,
-        normally_closed: false,
-    };
+    let cam = |axis, input, from, to| Cam { input, axis, from, to, normally_closed: false };
     let mut options = interpcnc::emulator::EmulatorOptions { wire, ..Default::default() };
     options.board.assumptions = assumptions;
     options.bench.cams = vec![
@@ -101,36 +102,38 @@ fn interpcnc_with(wire: Wire, assumptions: interpcnc::Assumptions) -> Bench {
         let event = interpcnc::emulator::Event::BrownOut { off_ns: 0 };
         board.control(Control::Event(event)).unwrap();
     });
-    Bench { drive: Box::new(drive), clock, home, limit: LIMIT, brown_out, _files: Box::new(()) }
+    Bench { drive: Box::new(drive), clock, home, limit: LIMIT, brown_out, _files: None }
 }
 
-/// Drives 3 and 7 with home switches on DIR, sought in the negative direction.
-pub(crate) fn smartdrive() -> Bench {
-    let clock = WallClock::new();
-    let device = |address| DeviceOptions {
-        address,
-        homing: HomingOptions { input: Input::Dir, positive: false, ..HomingOptions::default() },
-        cams: vec![
-            smartdrive::emulator::Cam {
-                input: Input::Dir,
-                from: f64::from(FAR),
-                to: f64::from(HOME),
-            },
-            smartdrive::emulator::Cam { input: Input::LimN, from: -1e6, to: f64::from(LIMIT) },
-        ],
-        ..DeviceOptions::default()
-    };
-    let devices = vec![device(3), device(7)];
-    let options = smartdrive::emulator::EmulatorOptions { devices, ..Default::default() };
-    let bus = EmulatedBus::start(&options, move || clock.now()).unwrap();
-    let axis = |address| smartdrive::AxisOptions {
+/// A drive of 3200 µsteps a turn, with its factory's ceilings.
+pub(crate) fn smartdrive_axis(address: u8) -> smartdrive::AxisOptions {
+    smartdrive::AxisOptions {
         address,
         turn: StepsPerTurn::new(200, 16).unwrap(),
         velocity_rpm: 500,
         acceleration_rpm_per_s: 2000,
         deceleration_rpm_per_s: 0,
+    }
+}
+
+/// Drives 3 and 7 with home switches on DIR, sought in the negative direction.
+pub(crate) fn smartdrive() -> Bench {
+    let clock = WallClock::new();
+    let cam = |input, from: i32, to: i32| smartdrive::emulator::Cam {
+        input,
+        from: from.into(),
+        to: to.into(),
     };
-    let mut options = SmartDriveOptions::new(vec![axis(3), axis(7)]);
+    let device = |address| DeviceOptions {
+        address,
+        homing: HomingOptions { input: Input::Dir, positive: false, ..HomingOptions::default() },
+        cams: vec![cam(Input::Dir, FAR, HOME), cam(Input::LimN, -1_000_000, LIMIT)],
+        ..DeviceOptions::default()
+    };
+    let devices = vec![device(3), device(7)];
+    let options = smartdrive::emulator::EmulatorOptions { devices, ..Default::default() };
+    let bus = EmulatedBus::start(&options, move || clock.now()).unwrap();
+    let mut options = SmartDriveOptions::new(vec![smartdrive_axis(3), smartdrive_axis(7)]);
     options.deadline = Duration::from_secs(2);
     options.mode_change = Duration::from_secs(10);
     let drive = SmartDriveBus::open(bus.path().to_str().unwrap(), &options).unwrap();
@@ -138,7 +141,21 @@ pub(crate) fn smartdrive() -> Bench {
     let brown_out = Box::new(move || {
         bus.control(smartdrive::emulator::Event::BrownOut { off_ns: 0 }.to(0)).unwrap();
     });
-    Bench { drive: Box::new(drive), clock, home, limit: LIMIT, brown_out, _files: Box::new(()) }
+    Bench { drive: Box::new(drive), clock, home, limit: LIMIT, brown_out, _files: None }
+}
+
+/// Parameters of a module with both axes, and these bits of their coefficients.
+pub(crate) fn eeprom(bits: u16) -> Eeprom {
+    let mut eeprom = Eeprom::new(2000);
+    for axis in ModuleAxis::ALL {
+        let mut set = |parameter, value| eeprom.set(Parameter::Axis(parameter, axis), value);
+        set(AxisParameter::Coefficient, (coefficient::PRESENT | bits).into());
+        set(AxisParameter::Mode, 0x0060);
+        set(AxisParameter::StartStopSpeed, 1000);
+        set(AxisParameter::FastSpeed, 10_000);
+        set(AxisParameter::Acceleration, 20_000);
+    }
+    eeprom
 }
 
 /// Both axes of a BIM2AX-BOCM with cams, and end switches at ±3000.
@@ -146,16 +163,7 @@ pub(crate) fn bim2ax() -> Bench {
     let clock = WallClock::new();
     let folder = tempfile::tempdir().unwrap();
     let image = folder.path().join("eeprom");
-    let mut eeprom = Eeprom::new(2000);
-    let bits = coefficient::PRESENT | coefficient::CAM_CLOSES | coefficient::SWITCHES_CLOSE;
-    for axis in ModuleAxis::ALL {
-        let mut set = |parameter, value| eeprom.set(Parameter::Axis(parameter, axis), value);
-        set(AxisParameter::Coefficient, bits.into());
-        set(AxisParameter::Mode, 0x0060);
-        set(AxisParameter::StartStopSpeed, 1000);
-        set(AxisParameter::FastSpeed, 10_000);
-        set(AxisParameter::Acceleration, 20_000);
-    }
+    let eeprom = eeprom(coefficient::CAM_CLOSES | coefficient::SWITCHES_CLOSE);
     std::fs::write(&image, eeprom.to_bytes()).unwrap();
     let path = folder.path().join("module");
     let mut options = bim2ax::emulator::EmulatorOptions::new(&path);
@@ -184,5 +192,15 @@ pub(crate) fn bim2ax() -> Bench {
         let event = bim2ax::emulator::Event::BrownOut { off_ns: 0 };
         module.control(Control::Event(event));
     });
-    Bench { drive: Box::new(drive), clock, home, limit, brown_out, _files: Box::new(folder) }
+    Bench { drive: Box::new(drive), clock, home, limit, brown_out, _files: Some(folder) }
+}
+
+/// Makes a check with a device of each family, whose name a failure shows.
+pub(crate) fn in_every_family(interpcnc: fn() -> Bench, check: fn(Bench)) {
+    let starts: [(&str, fn() -> Bench); 3] =
+        [("InterpCNC", interpcnc), ("SmartDRIVE", smartdrive), ("BIM2AX", bim2ax)];
+    for (family, start) in starts {
+        println!("{family}");
+        check(start());
+    }
 }

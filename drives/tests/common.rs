@@ -9,13 +9,9 @@ pub(crate) fn fault_of<F: DeviceFault, T>(outcome: &Result<T, DriveError>) -> Op
     outcome.as_ref().err()?.fault()
 }
 
-#[expect(
-    clippy::disallowed_methods,
-    reason = "these tests run in real time and are their own session"
-)]
 pub(crate) fn wall_clock() -> impl Fn() -> i64 + Send + Sync + Copy {
-    let zero = Instant::now();
-    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
+    let clock = WallClock::new();
+    move || clock.now()
 }
 
 /// The clock of these tests: they run in real time.
@@ -48,5 +44,31 @@ impl SetpointStream for WallClock {
 
     fn horizon_ns(&self) -> i64 {
         0
+    }
+}
+
+/// A plan in closed form, in seconds, that begins at `start_ns` of its clock.
+pub(crate) struct Plan<C, F> {
+    pub(crate) clock: C,
+    pub(crate) start_ns: i64,
+    pub(crate) of: F,
+}
+
+impl<C, F> SetpointStream for Plan<C, F>
+where
+    C: Fn() -> i64 + Sync,
+    F: Fn(f64) -> IncrementMotion + Sync,
+{
+    fn now_ns(&self) -> i64 {
+        (self.clock)() - self.start_ns
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "seconds")]
+    fn at(&self, time_ns: i64) -> IncrementMotion {
+        (self.of)(time_ns as f64 * 1e-9)
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        250_000_000
     }
 }

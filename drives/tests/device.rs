@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::bench::{Bench, HOME, bim2ax, interpcnc, smartdrive};
+use super::bench::{Bench, HOME, bim2ax, in_every_family, interpcnc, smartdrive};
 use twin_drives::{DeviceLimits, Drive, DriveError, ParameterId, ParameterInfo, Values};
 
 fn id(address: u8, number: u16) -> ParameterId {
@@ -73,24 +73,14 @@ fn shows_a_restart(mut bench: Bench) {
 }
 
 #[test]
-fn a_board_that_was_without_supply_shows_it() {
+fn a_device_that_was_without_supply_shows_it() {
     let mut bench = interpcnc();
     bench.drive.enable().unwrap();
     bench.drive.set_position(&[70, 0, 0, 0, 0]).unwrap();
     bench.drive.hard_stop().unwrap();
     // What has locked it was the driver.
     assert!(!bench.drive.shows_restart().unwrap() && bench.drive.hard_stop_keeps_position());
-    shows_a_restart(interpcnc());
-}
-
-#[test]
-fn a_drive_that_was_without_supply_shows_it() {
-    shows_a_restart(smartdrive());
-}
-
-#[test]
-fn a_module_that_was_without_supply_shows_it() {
-    shows_a_restart(bim2ax());
+    in_every_family(interpcnc, shows_a_restart);
 }
 
 /// Descriptions are sound, and wrong requests are refused with a reason.
@@ -119,21 +109,28 @@ fn described(drive: &mut dyn Drive) -> Vec<ParameterInfo> {
     all
 }
 
+/// Inputs 5 and 6, speed, acceleration, start-stop, slow, zero at the end; parameters of published sources.
+fn set_homing(drive: &mut dyn Drive, zero: i64) {
+    for (number, value) in
+        [(29, 5), (30, 6), (12, 4000), (13, 200), (14, 400), (15, 200), (128, zero)]
+    {
+        drive.set_parameter(id(0, number), value).unwrap();
+        assert_eq!(drive.parameter(id(0, number)).unwrap(), value);
+    }
+}
+
 /// Parameter 128 of 0: the counter stays as it is, and is no position from the home.
 #[test]
 fn an_interpcnc_that_keeps_its_counters_is_not_home() {
     let mut bench = interpcnc();
     let drive = &mut bench.drive;
     drive.enable().unwrap();
-    for (number, value) in [(29, 5), (30, 6), (12, 4000), (13, 200), (14, 400), (15, 200), (128, 0)]
-    {
-        drive.set_parameter(id(0, number), value).unwrap();
-    }
+    set_homing(&mut **drive, 0);
     drive.begin_homing(&[Some(5000), None, None, None, None]).unwrap();
     bench.rest();
     let home = bench.drive.homed();
     let Err(DriveError::NotArrived { target: 0, found, .. }) = home else { panic!("{home:?}") };
-    assert!((found - i64::from(super::bench::HOME)).abs() <= 100, "{found}");
+    assert!((found - i64::from(HOME)).abs() <= 100, "{found}");
     assert_eq!(bench.drive.homed().unwrap()[0], Some(false));
 }
 
@@ -147,12 +144,7 @@ fn an_interpcnc_says_who_it_is_and_homes() {
     drive.enable().unwrap();
     let none = drive.begin_homing(&[Some(5000), None, None, None, None]);
     assert!(matches!(none, Err(DriveError::Unsupported { .. })), "{none:?}");
-    // Inputs 5 and 6, speed, acceleration, start-stop, slow, zero at the end; parameters of published sources.
-    for (number, value) in [(29, 5), (30, 6), (12, 4000), (13, 200), (14, 400), (15, 200), (128, 1)]
-    {
-        drive.set_parameter(id(0, number), value).unwrap();
-        assert_eq!(drive.parameter(id(0, number)).unwrap(), value);
-    }
+    set_homing(&mut **drive, 1);
     let signals = drive.signals(&|| 5).unwrap();
     assert_eq!((signals.time_ns, signals.enable), (5, Some(true)));
     let homes_on = [signals.axes[0].home, signals.axes[1].home, signals.axes[2].home];
@@ -165,11 +157,7 @@ fn an_interpcnc_says_who_it_is_and_homes() {
     bench.drive.set_output(3, true).unwrap();
     assert_eq!(bench.drive.signals(&|| 0).unwrap().outputs.get(3), Some(true));
     is_locked(&mut bench);
-    assert_eq!(
-        bench.drive.homed().unwrap()[..2],
-        [Some(true), None],
-        "a lock at rest loses nothing"
-    );
+    assert_eq!(bench.drive.homed().unwrap()[..2], [Some(true), None], "nothing is lost at rest");
     bench.drive.hard_stop().unwrap();
     bench.drive.enable().unwrap();
     assert_eq!(bench.drive.homed().unwrap()[..2], [Some(false), None]);
@@ -257,10 +245,8 @@ fn a_module_says_who_it_is_and_homes() {
     assert_eq!((signals.time_ns, signals.inputs.levels(), signals.inputs.count()), (3, 0b100, 6));
     assert_eq!(signals.inputs.name(6), Some("2.home cam".to_owned()));
     let [first, second, ..] = signals.axes;
-    assert_eq!(
-        (first.home, second.home, first.positive_limit),
-        (Some(true), Some(false), Some(false))
-    );
+    let shown = [first.home, second.home, first.positive_limit];
+    assert_eq!(shown, [Some(true), Some(false), Some(false)]);
     is_locked(&mut bench);
     bench.drive.move_to(&[i64::from(HOME), 0, 0, 0, 0], &[100.0; 5]).unwrap();
     let moving = bench.drive.disable();

@@ -87,28 +87,34 @@ fn every_message_names_port_station_and_command() {
 }
 
 #[test]
-fn refused_values_are_named_with_what_is_taken() {
+fn errors_say_what_they_are_about() {
     let id = ParameterId { address: 7, number: 44 };
     let values = Values::OneOf(vec![1, 2, 4]);
-    let error = DriveError::ParameterValue { at: at(), id, value: 3, values };
-    let text = "parameter 44 at address 7 = 3 is impossible (1, 2, 4)";
-    assert!(error.to_string().ends_with(text), "{error}");
-    let id = ParameterId { address: 0, number: 9 };
-    let text = DriveError::ReadOnly { at: at(), id }.to_string();
-    assert!(text.ends_with(": parameter 9 is read-only"), "{text}");
-}
-
-#[test]
-fn axes_are_named_by_letter() {
-    assert_eq!(Axes::Letters(0b10101).to_string(), "axes XZB");
-    let text = DriveError::LimitSwitch { at: at(), axes: Axes::Letters(0b01010) }.to_string();
-    assert!(text.ends_with("axes YA"), "{text}");
+    let read_only = ParameterId { address: 0, number: 9 };
+    let unasked = Exchange { action: Action::Nothing, ..at() };
+    for (error, end) in [
+        (
+            DriveError::ParameterValue { at: at(), id, value: 3, values },
+            "parameter 44 at address 7 = 3 is impossible (1, 2, 4)",
+        ),
+        (DriveError::ReadOnly { at: at(), id: read_only }, ": parameter 9 is read-only"),
+        (DriveError::LimitSwitch { at: at(), axes: Axes::Letters(0b01010) }, "axes YA"),
+        // What needs no asking names no command.
+        (
+            DriveError::Unsupported { at: unasked, what: "homing" },
+            "address 7: the device has no homing",
+        ),
+    ] {
+        let text = error.to_string();
+        assert!(text.starts_with("/dev/ttyUSB0, address 7: ") && text.ends_with(end), "{text}");
+    }
 }
 
 #[test]
 fn axes_are_named_as_their_family_does() {
     let (found, target) = (4, 5);
     for (axes, moving, elsewhere) in [
+        (Axes::Letters(0b10101), "still moving, axes XZB", "axes XZB is at 4 instead of 5 steps"),
         (Axes::Letters(0b100), "still moving, axis Z", "axis Z is at 4 instead of 5 steps"),
         (Axes::Numbers(3), "still moving, axes 1, 2", "axes 1, 2 is at 4 instead of 5 µsteps"),
         (Axes::Numbers(0b10), "still moving, axis 2", "axis 2 is at 4 instead of 5 µsteps"),
@@ -119,11 +125,4 @@ fn axes_are_named_as_their_family_does() {
         let text = DriveError::NotArrived { at: at(), axis: axes, target, found }.to_string();
         assert_eq!(text, format!("{}: {elsewhere}", at()));
     }
-}
-
-#[test]
-fn what_needs_no_asking_names_no_command() {
-    let at = Exchange { action: Action::Nothing, ..at() };
-    let text = DriveError::Unsupported { at, what: "homing" }.to_string();
-    assert_eq!(text, "/dev/ttyUSB0, address 7: the device has no homing");
 }

@@ -1,8 +1,8 @@
 //! Homing by switch on the emulated devices of all families.
 
-use std::cell::Cell;
+use std::{cell::Cell, time::Duration};
 
-use super::bench::{Bench, FAR, HOME, bim2ax, interpcnc, smartdrive};
+use super::bench::{Bench, FAR, HOME, bim2ax, in_every_family, interpcnc};
 use twin_drives::{
     Action, Drive, DriveError, Exchange, Identity, Increments, MAX_DRIVE_AXES, ParameterId, Sample,
     SetpointStream, Signals,
@@ -41,6 +41,11 @@ fn home(bench: &mut Bench, options: HomingOptions) -> Result<HomingReport, Homin
     home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut latched, &|| false)
 }
 
+/// The same by a run of one's own, and without an index.
+fn home_by(bench: &mut Bench, run: &HomingRun) -> Result<HomingReport, HomingError> {
+    home_by_switch(&mut *bench.drive, run, &bench.clock, &mut |_, _| None, &|| false)
+}
+
 /// Position of the first axis.
 fn position(bench: &mut Bench) -> i64 {
     let sample = bench.drive.sample(&bench.clock).unwrap();
@@ -50,10 +55,8 @@ fn position(bench: &mut Bench) -> i64 {
 }
 
 #[expect(clippy::cast_precision_loss, reason = "small positions")]
-fn finds_its_reference_in_every_mode(start: impl Fn() -> Bench) {
-    let mut bench = start();
-    bench.drive.enable().unwrap();
-    bench.drive.set_position(&[0, 77, 0, 0, 0]).unwrap();
+fn finds_its_reference_in_every_mode(mut bench: Bench) {
+    bench.enable();
     // What positions have become more by in all.
     let mut shifted = 0;
     for mode in HomingMode::ALL {
@@ -94,10 +97,8 @@ fn finds_its_reference_in_every_mode(start: impl Fn() -> Bench) {
     }
 }
 
-fn ends_where_it_should(start: impl Fn() -> Bench) {
-    let mut bench = start();
-    bench.drive.enable().unwrap();
-    bench.drive.set_position(&[0, 77, 0, 0, 0]).unwrap();
+fn ends_where_it_should(mut bench: Bench) {
+    bench.enable();
     // No further than the user says: here the switch does not come.
     let short = HomingOptions { max_fast_way: 200.0, ..options(HomingMode::default()) };
     let error = home(&mut bench, short).unwrap_err();
@@ -126,7 +127,7 @@ fn ends_where_it_should(start: impl Fn() -> Bench) {
     // Nothing moves where something is wrong.
     let none = Switch::Input { number: 60, pressed: true };
     let run = HomingRun { switch: none, ..run };
-    let error = home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut |_, _| None, &|| false);
+    let error = home_by(&mut bench, &run);
     assert!(matches!(error, Err(HomingError::NoSwitch { .. })), "{error:?}");
     let zero = HomingOptions { velocity_slow: 0.0, ..options(HomingMode::default()) };
     let error = home(&mut bench, zero).unwrap_err();
@@ -140,18 +141,15 @@ fn ends_where_it_should(start: impl Fn() -> Bench) {
 
 /// The limit switch is the home switch: `bIgnoreHWLimit`.
 #[expect(clippy::cast_precision_loss, reason = "small positions")]
-fn homes_on_a_limit_switch(start: impl Fn() -> Bench) {
-    let mut bench = start();
-    bench.drive.enable().unwrap();
-    bench.drive.set_position(&[0, 77, 0, 0, 0]).unwrap();
+fn homes_on_a_limit_switch(mut bench: Bench) {
+    bench.enable();
     let ignoring = HomingOptions {
         ignore_hardware_limit: true,
         velocity_fast: 1500.0,
         ..options(HomingMode::default())
     };
     let run = HomingRun { axis: 0, switch: Switch::NegativeLimit, options: ignoring };
-    let report =
-        home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut |_, _| None, &|| false).unwrap();
+    let report = home_by(&mut bench, &run).unwrap();
     let uncertain = ignoring.uncertainty(report.longest_look_ns as f64 * 1e-9) + 2.0;
     let away = report.reference - f64::from(bench.limit);
     assert!(away.abs() <= uncertain, "{report:?}, {uncertain}");
@@ -160,7 +158,7 @@ fn homes_on_a_limit_switch(start: impl Fn() -> Bench) {
     // Watched, it ends homing.
     let options = HomingOptions { ignore_hardware_limit: false, ..ignoring };
     let run = HomingRun { options, ..run };
-    let failed = home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut |_, _| None, &|| false);
+    let failed = home_by(&mut bench, &run);
     let found = match &failed {
         Err(HomingError::Drive(error)) => error.is_limit_switch(),
         Err(HomingError::Axis { error, .. }) => error.number() == Some(10),
@@ -181,7 +179,11 @@ struct Cut {
 
 impl Cut {
     fn live(&mut self) -> Result<&mut dyn Drive, DriveError> {
-        if self.lost { Runaway::deaf() } else { Ok(&mut *self.drive) }
+        if self.lost {
+            let at = Exchange { port: "wire".into(), address: 3, action: Action::ReadState };
+            return Err(DriveError::Timeout { at, deadline: Duration::from_millis(7) });
+        }
+        Ok(&mut *self.drive)
     }
 }
 
@@ -253,13 +255,10 @@ impl Drive for Cut {
 /// Its way would be 30 s long; without anybody who looks it ends after half a second at most. On its way there are several
 /// legs, which are one motion where the device can do that.
 #[expect(clippy::cast_possible_truncation, reason = "a thousand")]
-fn ends_with_its_leg_where_nobody_looks(start: impl Fn() -> Bench) {
-    let mut bench = start();
-    let drive = std::mem::replace(&mut bench.drive, Box::new(Runaway));
+fn ends_with_its_leg_where_nobody_looks(mut bench: Bench) {
+    bench.enable();
     let (clock, limit) = (bench.clock, bench.limit);
-    let mut cut = Cut { drive, seen: 0, at: -1100, lost: false };
-    cut.enable().unwrap();
-    cut.set_position(&[0, 77, 0, 0, 0]).unwrap();
+    let mut cut = Cut { drive: bench.drive, seen: 0, at: -1100, lost: false };
     // The home switch is passed at 800 increments/s as if its wire were lost: another input is looked at.
     let options = HomingOptions {
         velocity_fast: 800.0,
@@ -279,7 +278,6 @@ fn ends_with_its_leg_where_nobody_looks(start: impl Fn() -> Bench) {
     let end = cut.seen;
     assert!((seen - leg as i64..=seen).contains(&end), "seen at {seen}, at rest at {end}");
     assert!(end > i64::from(limit), "{end}: a switch has stopped it");
-    drop(bench);
 }
 
 /// An input that nothing is wired to.
@@ -292,116 +290,41 @@ fn interpcnc_with_limit() -> Bench {
     bench
 }
 
-/// Tests that are a check of one family's device each.
-macro_rules! of_families {
-    ($($(#[$attribute:meta])* fn $name:ident() => $check:ident($bench:ident);)*) => {$(
-        $(#[$attribute])*
-        fn $name() {
-            $check($bench);
-        }
-    )*};
+#[test]
+fn legs_end_where_nobody_looks() {
+    in_every_family(interpcnc, ends_with_its_leg_where_nobody_looks);
 }
 
-of_families! {
-    #[test]
-    fn an_interpcnc_ends_its_leg_where_nobody_looks() => ends_with_its_leg_where_nobody_looks(interpcnc);
-    #[test]
-    fn smartdrives_end_their_leg_where_nobody_looks() => ends_with_its_leg_where_nobody_looks(smartdrive);
-    #[test]
-    fn a_module_ends_its_leg_where_nobody_looks() => ends_with_its_leg_where_nobody_looks(bim2ax);
-    #[test]
-    fn an_interpcnc_homes_in_every_mode() => finds_its_reference_in_every_mode(interpcnc);
-    #[test]
-    fn smartdrives_home_in_every_mode() => finds_its_reference_in_every_mode(smartdrive);
-    #[test]
-    fn a_module_homes_in_every_mode() => finds_its_reference_in_every_mode(bim2ax);
-    #[test]
-    fn an_interpcnc_ends_homing_where_it_should() => ends_where_it_should(interpcnc);
-    #[test]
-    fn smartdrives_end_homing_where_they_should() => ends_where_it_should(smartdrive);
-    #[test]
-    fn a_module_ends_homing_where_it_should() => ends_where_it_should(bim2ax);
-    #[test]
-    fn an_interpcnc_homes_on_a_limit_switch() => homes_on_a_limit_switch(interpcnc_with_limit);
-    #[test]
-    fn smartdrives_home_on_a_limit_switch() => homes_on_a_limit_switch(smartdrive);
-    #[test]
-    fn a_module_homes_on_a_limit_switch() => homes_on_a_limit_switch(bim2ax);
+#[test]
+fn every_family_homes_in_every_mode() {
+    in_every_family(interpcnc, finds_its_reference_in_every_mode);
 }
 
-/// A device that does not stop, and has no switch.
-struct Runaway;
-
-impl Runaway {
-    fn deaf<T>() -> Result<T, DriveError> {
-        let at = Exchange { port: "wire".into(), address: 3, action: Action::ReadState };
-        Err(DriveError::Timeout { at, deadline: std::time::Duration::from_millis(7) })
-    }
-
-    fn rests() -> Sample {
-        Sample { time_ns: 0, position: [0; MAX_DRIVE_AXES], moving: false }
-    }
+#[test]
+fn homing_ends_where_it_should() {
+    in_every_family(interpcnc, ends_where_it_should);
 }
 
-impl Drive for Runaway {
-    fn describe(&self) -> String {
-        "runaway".to_owned()
-    }
-
-    fn axis_count(&self) -> usize {
-        1
-    }
-
-    fn identity(&mut self) -> Result<Identity, DriveError> {
-        Self::deaf()
-    }
-
-    fn probe(&mut self, _: &dyn SetpointStream) -> Result<Sample, DriveError> {
-        Ok(Self::rests())
-    }
-
-    fn enable(&mut self) -> Result<(), DriveError> {
-        Ok(())
-    }
-
-    fn set_output(&mut self, _: u8, _: bool) -> Result<(), DriveError> {
-        Self::deaf()
-    }
-
-    fn set_position(&mut self, _: &Increments) -> Result<(), DriveError> {
-        Self::deaf()
-    }
-
-    fn move_to(&mut self, _: &Increments, _: &[f64; MAX_DRIVE_AXES]) -> Result<(), DriveError> {
-        Self::deaf()
-    }
-
-    fn sample(&mut self, _: &dyn SetpointStream) -> Result<Sample, DriveError> {
-        Ok(Self::rests())
-    }
-
-    fn follow(&mut self, _: &dyn SetpointStream) -> Result<Sample, DriveError> {
-        Self::deaf()
-    }
-
-    fn soft_stop(&mut self) -> Result<(), DriveError> {
-        Self::deaf()
-    }
-
-    fn hard_stop(&mut self) -> Result<(), DriveError> {
-        Self::deaf()
-    }
+#[test]
+fn every_family_homes_on_a_limit_switch() {
+    in_every_family(interpcnc_with_limit, homes_on_a_limit_switch);
 }
 
 #[test]
 fn an_axis_that_does_not_stop_is_reported_with_the_first_error() {
-    let run = HomingRun { axis: 0, switch: Switch::Home, options: options(HomingMode::ALL[0]) };
-    let clock = super::common::WallClock::new();
+    let mut bench = bim2ax();
+    bench.enable();
+    // The wire is cut after the first look, and then somebody asks for an end.
+    let mut cut = Cut { drive: bench.drive, seen: 0, at: 0, lost: false };
+    let run = HomingRun { axis: 0, switch: bench.home, options: options(HomingMode::ALL[0]) };
     let error =
-        home_by_switch(&mut Runaway, &run, &clock, &mut |_, _| None, &|| false).unwrap_err();
+        home_by_switch(&mut cut, &run, &bench.clock, &mut |_, _| None, &|| true).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "homing of axis 1: the device does not show which input its home switch is at; and the axis could not be stopped: \
-         wire, address 3: reading status and positions: no answer within 7 ms; use the emergency stop"
+        "homing of axis 1: stopped on request; and the axis could not be stopped: wire, address 3: reading status and \
+         positions: no answer within 7 ms; use the emergency stop"
     );
+    let none = HomingError::NoSwitch { axis: 0, switch: Switch::Home }.to_string();
+    let said = "homing of axis 1: the device does not show which input its home switch is at";
+    assert_eq!(none, said);
 }

@@ -16,13 +16,14 @@ use tokio::{
     time::Instant,
 };
 
+use super::{
+    bench::{eeprom, smartdrive_axis},
+    common::Plan,
+};
 use twin_bim2ax::{
-    Bim2AxDrive, Bim2AxDriveOptions, Memory, ModuleAxis, SharedModule,
-    emulator::{Eeprom, Module, ModuleOptions, Surroundings},
-    protocol::{
-        bits::coefficient,
-        parameter::{AxisParameter, Parameter},
-    },
+    Bim2AxDrive, Bim2AxDriveOptions, Memory, SharedModule,
+    emulator::{Module, ModuleOptions, Surroundings},
+    protocol::bits::coefficient,
 };
 use twin_drives::{Drive, IncrementMotion, SetpointStream};
 use twin_interpcnc as interpcnc;
@@ -32,7 +33,7 @@ use twin_interpcnc::{
 };
 use twin_smartdrive as smartdrive;
 use twin_smartdrive::{
-    SmartDrive, SmartDriveBus, SmartDriveOptions, StepsPerTurn,
+    SmartDrive, SmartDriveBus, SmartDriveOptions,
     emulator::{Device, DeviceOptions},
 };
 
@@ -56,35 +57,20 @@ impl Log {
     }
 }
 
-/// A plan of two axes, to and fro, that begins 200 ms after the clock.
-struct Plan<C> {
-    clock: C,
-    stroke: f64,
-}
-
 /// Length of the plan and of the run, s.
 const PERIOD_S: f64 = 1.5;
 const END_NS: i64 = 2_000_000_000;
 
-impl<C: Fn() -> i64 + Sync> SetpointStream for Plan<C> {
-    fn now_ns(&self) -> i64 {
-        (self.clock)() - 200_000_000
-    }
-
-    #[expect(clippy::cast_precision_loss, reason = "seconds")]
-    fn at(&self, time_ns: i64) -> IncrementMotion {
-        let angle = TAU * (time_ns as f64 * 1e-9).clamp(0.0, PERIOD_S) / PERIOD_S;
-        let mut motion = IncrementMotion::default();
-        for (axis, stroke) in [self.stroke, -0.5 * self.stroke].into_iter().enumerate() {
-            motion.position[axis] = 0.5 * stroke * (1.0 - angle.cos());
-            motion.velocity[axis] = 0.5 * stroke * TAU / PERIOD_S * angle.sin();
-        }
-        motion
-    }
-
-    fn horizon_ns(&self) -> i64 {
-        250_000_000
-    }
+/// A plan of two axes, to and fro, that begins 200 ms after the clock.
+fn to_and_fro(clock: impl Fn() -> i64 + Sync, stroke: f64) -> impl SetpointStream {
+    let of = move |time: f64| {
+        let angle = TAU * time.clamp(0.0, PERIOD_S) / PERIOD_S;
+        let axis = |stroke: f64| {
+            (0.5 * stroke * (1.0 - angle.cos()), 0.5 * stroke * TAU / PERIOD_S * angle.sin())
+        };
+        IncrementMotion::of([stroke, -0.5 * stroke].into_iter().map(axis))
+    };
+    Plan { clock, start_ns: 200_000_000, of }
 }
 
 /// Time that passes only while a runtime sleeps, and its clock.
@@ -159,7 +145,7 @@ fn the_bytes_of_an_interpcnc_stay() {
         InterpCncOptions::new([BoardAxis::X, BoardAxis::Y].map(AxisOptions::new).to_vec());
     let board = InterpCnc::attach("wire".into(), near, &options);
     let mut board = InterpCncDrive::on(runtime, board, &options);
-    drive(&mut board, &Plan { clock, stroke: 4000.0 }, 2000.0);
+    drive(&mut board, &to_and_fro(clock, 4000.0), 2000.0);
     assert_eq!(log.seen(), (9355, 0x24AD_7102));
 }
 
@@ -176,17 +162,10 @@ fn the_bytes_of_smartdrives_stay() {
         let devices = vec![device(3), device(7)];
         smartdrive::emulator::serve(far, devices, &wire, &device_clock, messages).await.map(|_| ())
     });
-    let axis = |address| smartdrive::AxisOptions {
-        address,
-        turn: StepsPerTurn::new(200, 16).unwrap(),
-        velocity_rpm: 500,
-        acceleration_rpm_per_s: 2000,
-        deceleration_rpm_per_s: 0,
-    };
-    let options = SmartDriveOptions::new(vec![axis(3), axis(7)]);
+    let options = SmartDriveOptions::new(vec![smartdrive_axis(3), smartdrive_axis(7)]);
     let bus = SmartDrive::attach("wire".into(), near, &options);
     let mut bus = SmartDriveBus::on(runtime, bus, &options);
-    drive(&mut bus, &Plan { clock, stroke: 4000.0 }, 2000.0);
+    drive(&mut bus, &to_and_fro(clock, 4000.0), 2000.0);
     assert_eq!(log.seen(), (11_958, 0x3D99_A46D));
 }
 
@@ -213,23 +192,14 @@ impl Memory for Tapped {
 
 #[test]
 fn the_bytes_of_a_bim2ax_stay() {
-    let mut eeprom = Eeprom::new(2000);
-    let bits = coefficient::PRESENT | coefficient::IGNORE_SWITCHES;
-    for axis in ModuleAxis::ALL {
-        let mut set = |parameter, value| eeprom.set(Parameter::Axis(parameter, axis), value);
-        set(AxisParameter::Coefficient, bits.into());
-        set(AxisParameter::Mode, 0x0060);
-        set(AxisParameter::StartStopSpeed, 1000);
-        set(AxisParameter::FastSpeed, 10_000);
-        set(AxisParameter::Acceleration, 20_000);
-    }
     let (runtime, clock) = virtual_time();
     let options = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
-    let module = Module::new(&options, &eeprom, &Surroundings::default());
+    let module =
+        Module::new(&options, &eeprom(coefficient::IGNORE_SWITCHES), &Surroundings::default());
     let log = Log::default();
     let memory = Tapped { memory: SharedModule::new(module, clock.clone()), log: log.clone() };
     let mut module =
         Bim2AxDrive::on(runtime, "module", memory, &Bim2AxDriveOptions::new()).unwrap();
-    drive(&mut module, &Plan { clock, stroke: 600.0 }, 1000.0);
+    drive(&mut module, &to_and_fro(clock, 600.0), 1000.0);
     assert_eq!(log.seen(), (31_066, 0x0356_36F4));
 }

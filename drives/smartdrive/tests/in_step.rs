@@ -1,16 +1,15 @@
 //! Answers that come late or twice must not be taken for those to the next questions: nothing in them tells.
 
-use std::{collections::HashMap, sync::Arc, time::Duration};
+use std::{sync::Arc, time::Duration};
 
 use tokio::{
-    io::{AsyncReadExt, AsyncWriteExt, DuplexStream, duplex},
+    io::{AsyncReadExt, AsyncWriteExt, DuplexStream},
     sync::Mutex,
     time::sleep,
 };
 
-use super::wire::axis;
+use super::{attached, options};
 use crate::{
-    SmartDrive, SmartDriveOptions,
     emulator::{Device, DeviceOptions},
     protocol::parameters::PARAMETERS,
 };
@@ -46,41 +45,16 @@ async fn serve(far: DuplexStream, fate: impl Fn(u64) -> Fate) {
     }
 }
 
-/// All parameters as they are read over such a wire, `times` times over.
-async fn read_all(
-    fate: impl Fn(u64) -> Fate,
-    times: usize,
-) -> Vec<HashMap<u16, Result<i64, DriveError>>> {
-    let (near, far) = duplex(4096);
-    let mut options = SmartDriveOptions::new(vec![axis(1)]);
+/// Reads all parameters over such a wire, `times` times over, and holds them against the factory's values, which the device has
+/// in use; how many are missing, each because answers were out of step or did not come.
+async fn missing(fate: impl Fn(u64) -> Fate, times: usize, what: &str) -> usize {
     // As `twin drive` has them.
-    options.deadline = Duration::from_millis(100);
-    options.worst_latency = Duration::from_millis(100);
-    let mut driver = SmartDrive::attach(Arc::from("wire"), near, &options);
+    let (mut driver, far) = attached(&options(100, 100));
     let reading = async {
-        let mut all = Vec::new();
-        for _ in 0..times {
-            let mut found = HashMap::new();
-            for entry in &PARAMETERS {
-                let value = driver.parameter(1, entry.index).await;
-                found.insert(entry.index, value.map(|copies| copies.working));
-            }
-            all.push(found);
-        }
-        drop(driver);
-        all
-    };
-    tokio::join!(serve(far, fate), reading).1
-}
-
-/// Holds what was read against the factory's values, which the device has in use; how many are missing, each because
-/// answers were out of step or did not come.
-fn check(all: &[HashMap<u16, Result<i64, DriveError>>], what: &str) -> usize {
-    let mut missing = 0;
-    for found in all {
-        for entry in &PARAMETERS {
-            match &found[&entry.index] {
-                Ok(value) => assert_eq!(*value, entry.factory, "{}, {what}", entry.name),
+        let mut missing = 0;
+        for entry in std::iter::repeat_n(&PARAMETERS, times).flatten() {
+            match driver.parameter(1, entry.index).await {
+                Ok(value) => assert_eq!(value.working, entry.factory, "{}, {what}", entry.name),
                 Err(
                     DriveError::Protocol { fault: ProtocolFault::OutOfStep, .. }
                     | DriveError::Timeout { .. },
@@ -88,8 +62,10 @@ fn check(all: &[HashMap<u16, Result<i64, DriveError>>], what: &str) -> usize {
                 Err(other) => panic!("{}, {what}: {other}", entry.name),
             }
         }
-    }
-    missing
+        drop(driver);
+        missing
+    };
+    tokio::join!(serve(far, fate), reading).1
 }
 
 #[tokio::test(start_paused = true)]
@@ -98,8 +74,8 @@ async fn an_answer_beyond_the_latency_leaves_no_value_in_the_place_of_another() 
         for place in [0, 1, 12, 13] {
             let late = Duration::from_millis(ms);
             let fate = |count| (if count == place { late } else { Duration::ZERO }, None);
-            let all = read_all(fate, 1).await;
-            assert_eq!(check(&all, "late"), 0, "answer {place} late by {ms} ms");
+            let what = format!("answer {place} late by {ms} ms");
+            assert_eq!(missing(fate, 1, &what).await, 0, "{what}");
         }
     }
 }
@@ -110,8 +86,7 @@ async fn answers_that_all_come_too_late_are_none() {
     for ms in [105, 150, 210, 290, 410] {
         let late = Duration::from_millis(ms);
         let fate = |count| (if count >= 12 { late } else { Duration::ZERO }, None);
-        let all = read_all(fate, 1).await;
-        assert!(check(&all, &format!("all late by {ms} ms")) > 0);
+        assert!(missing(fate, 1, &format!("all late by {ms} ms")).await > 0, "{ms} ms");
     }
 }
 
@@ -122,18 +97,17 @@ async fn copies_of_answers_are_not_taken_for_others() {
         for every in [5, 7, 20] {
             let copy = Some(Duration::from_micros(us));
             let fate = |count: u64| (Duration::ZERO, copy.filter(|_| count % every == 3));
-            let all = read_all(fate, 3).await;
-            let missing = check(&all, &format!("each {every}th again after {us} µs"));
-            assert!(missing == 0 || every < 20, "each {every}th again after {us} µs: {missing}");
+            let what = format!("each {every}th again after {us} µs");
+            let missing = missing(fate, 3, &what).await;
+            assert!(missing == 0 || every < 20, "{what}: {missing}");
         }
     }
     // Every answer twice, the copy right behind.
-    let all = read_all(|_| (Duration::ZERO, Some(Duration::ZERO)), 3).await;
-    assert_eq!(check(&all, "all again at once"), 0);
+    let at_once = |_| (Duration::ZERO, Some(Duration::ZERO));
+    assert_eq!(missing(at_once, 3, "all again at once").await, 0);
     // The copy of each in the answer to the next: what can be read is right.
     for ms in [1, 3, 5, 8] {
         let fate = |_| (Duration::ZERO, Some(Duration::from_millis(ms)));
-        let all = read_all(fate, 1).await;
-        check(&all, &format!("all again after {ms} ms"));
+        missing(fate, 1, &format!("all again after {ms} ms")).await;
     }
 }

@@ -3,17 +3,14 @@
 
 use std::time::Duration;
 
-use super::wire::axis;
-use crate::Fault;
-use crate::tests::common::fault_of;
-use crate::tests::{common::wall_clock, peer::Peer};
+use super::{emulated, patient, peer::Peer, refusal, rest};
 use crate::{
     Alarms, Init, IoState, IoUpdate, LoadSource, Mode, ParameterValue, RejectCode, SmartDrive,
-    SmartDriveOptions, TrajectoryFlags,
-    emulator::{DeviceOptions, EmulatedBus, EmulatorOptions, Event, HomingOptions, Input, Wire},
-    protocol::parameters::{PARAMETERS, VARIABLES},
+    TrajectoryFlags,
+    emulator::{DeviceOptions, Event, HomingOptions, Input, Wire},
+    protocol::parameters::{Entry, PARAMETERS, VARIABLES},
 };
-use twin_drives::{Clock, DriveError};
+use twin_drives::no_clock;
 
 /// The other reading as `face`.
 fn witness(face: &[&str]) -> Option<Peer> {
@@ -57,8 +54,7 @@ fn event(wish: &str) -> Event {
 
 /// Parts of the manual on which another master and the device on `wire` agree; `None` without Python.
 fn agreed(device: DeviceOptions, wire: Wire, parts: &[&str]) -> Option<Vec<String>> {
-    let options = EmulatorOptions { devices: vec![device], wire, ..EmulatorOptions::default() };
-    let bus = EmulatedBus::start(&options, wall_clock()).unwrap();
+    let (bus, _) = emulated(vec![device], wire);
     let face = [&["master", bus.path().to_str().unwrap()], parts].concat();
     let mut master = witness(&face)?;
     let mut agreed = Vec::new();
@@ -82,18 +78,8 @@ fn another_master_drives_the_emulated_device() {
     let homing = HomingOptions { input: HOME, ..HomingOptions::default() };
     let device = DeviceOptions { homing, stall_is_alarm: false, ..DeviceOptions::default() };
     let Some(agreed) = agreed(device, Wire::default(), &[]) else { return };
-    let parts = [
-        "frames",
-        "modes",
-        "parameters",
-        "variables",
-        "storage",
-        "moves",
-        "origins",
-        "stops",
-        "bootloader",
-    ];
-    assert_eq!(agreed, parts);
+    let parts = "frames modes parameters variables storage moves origins stops bootloader";
+    assert_eq!(agreed.join(" "), parts);
 }
 
 /// A device confirms within 50 ms, and some adapters repeat what the master says.
@@ -107,37 +93,14 @@ fn another_master_hears_its_echo_and_waits_as_long_as_devices_may_take() {
 
 /// The driver on the wire to another device.
 fn open(device: &mut Peer) -> SmartDrive {
-    let port = device.line();
-    let mut options = SmartDriveOptions::new(vec![axis(1)]);
-    // Other tests and builds may keep the device waiting.
-    options.deadline = Duration::from_secs(5);
-    options.mode_change = Duration::from_secs(10);
-    SmartDrive::open(&port, &options).unwrap()
-}
-
-fn refusal<T: std::fmt::Debug>(outcome: &Result<T, DriveError>) -> RejectCode {
-    match fault_of(outcome) {
-        Some(Fault::Rejected(reason)) => *reason,
-        _ => panic!("{outcome:?}"),
-    }
-}
-
-/// Asks for the state until the move is over; the position then.
-async fn rest(driver: &mut SmartDrive, clock: &dyn Clock) -> i32 {
-    loop {
-        let (state, _) = driver.state(1, clock).await.unwrap();
-        if !state.moving() {
-            return state.position;
-        }
-    }
+    SmartDrive::open(&device.line(), &patient(1..=1)).unwrap()
 }
 
 #[tokio::test]
 async fn another_device_understands_every_command() {
     let Some(mut device) = witness(&["device"]) else { return };
     let mut driver = open(&mut device);
-    let clock = &wall_clock();
-    assert_eq!(driver.state(1, clock).await.unwrap().0.mode, 0);
+    assert_eq!(driver.state(1, &no_clock).await.unwrap().0.mode, 0);
     assert_eq!(requests(&mut device), "PING");
 
     for mode in Mode::ALL {
@@ -154,21 +117,21 @@ async fn another_device_understands_every_command() {
 
     // What is asked for, what the device hears, and where it ends.
     driver.go_to(1, 3200, None).await.unwrap();
-    assert_eq!(rest(&mut driver, clock).await, 3200);
+    assert_eq!(rest(&mut driver).await, 3200);
     assert!(requests(&mut device).starts_with("GOTO DST=3200 | PING"));
     driver.go_to(1, -6400, Some((300, 1000))).await.unwrap();
-    assert_eq!(rest(&mut driver, clock).await, -6400);
+    assert_eq!(rest(&mut driver).await, -6400);
     assert!(requests(&mut device).starts_with("GOTO DST=-6400 VEL=300 ACC=1000 | PING"));
     driver.step(1, 200, None).await.unwrap();
-    assert_eq!(rest(&mut driver, clock).await, -6200);
+    assert_eq!(rest(&mut driver).await, -6200);
     assert!(requests(&mut device).starts_with("STEP DST=200 | PING"));
     driver.step(1, i32::MIN + 6200, Some((32_767, 0))).await.unwrap();
-    assert_eq!(rest(&mut driver, clock).await, i32::MIN);
+    assert_eq!(rest(&mut driver).await, i32::MIN);
     assert!(requests(&mut device).starts_with("STEP DST=-2147477448 VEL=32767 ACC=0 | PING"));
     driver.init(1, Init::Position).await.unwrap();
     for (speed, rate) in [(600, 0), (-600, 500), (i16::MIN, u16::MAX), (i16::MAX, 1)] {
         let before = driver.start(1, speed, rate).await.unwrap();
-        let (after, _) = driver.state(1, clock).await.unwrap();
+        let (after, _) = driver.state(1, &no_clock).await.unwrap();
         assert!(after.moving() && after.flags.contains(TrajectoryFlags::DONE));
         assert_eq!(after.position > before.position, speed > 0);
     }
@@ -179,14 +142,14 @@ async fn another_device_understands_every_command() {
         driver.start(1, 1, 0).await.unwrap();
         requests(&mut device);
         driver.stop(1, rate).await.unwrap();
-        rest(&mut driver, clock).await;
+        rest(&mut driver).await;
         assert!(requests(&mut device).starts_with(heard));
     }
     for init in Init::ALL {
         driver.init(1, init).await.unwrap();
         assert_eq!(requests(&mut device), format!("TRJINIT INI={}", init.number()));
         if init == Init::Homing {
-            assert!(driver.state(1, clock).await.unwrap().0.homing);
+            assert!(driver.state(1, &no_clock).await.unwrap().0.homing);
             driver.homed(1).await.unwrap();
             requests(&mut device);
         }
@@ -195,7 +158,7 @@ async fn another_device_understands_every_command() {
     assert_eq!(driver.home(1).await.unwrap(), -123);
     requests(&mut device);
     driver.broadcast(&crate::Command::Stop { rate: 0 }).await.unwrap();
-    driver.state(1, clock).await.unwrap();
+    driver.state(1, &no_clock).await.unwrap();
     assert_eq!(requests(&mut device), "STOP DEC=0 to all | PING");
 
     driver.set_parameter(1, 30, 600).await.unwrap();
@@ -221,8 +184,8 @@ async fn another_device_understands_every_command() {
 }
 
 /// `index:access:low:high` for each entry.
-fn rows(entries: &[crate::protocol::parameters::Entry]) -> Vec<String> {
-    let row = |entry: &crate::protocol::parameters::Entry| {
+fn rows(entries: &[Entry]) -> Vec<String> {
+    let row = |entry: &Entry| {
         let access = if entry.writable { "RW" } else { "RO" };
         format!("{}:{access}:{}:{}", entry.index, entry.low, entry.high)
     };
@@ -270,10 +233,8 @@ async fn another_device_has_the_same_tables_and_outputs() {
     let update = IoUpdate { clear: 1, set: 2, clear_active: 4, clear_reverse: 8 };
     let seen = driver.io(1, update).await.unwrap();
     assert_eq!(seen, IoState { levels: 0b0000_1110, active: 0b1000, reverse: 0b1000_0000 });
-    assert_eq!(
-        requests(&mut device),
-        "WRITE VAR=130 NEW=65535 | IOUPDATE CLR=1 SET=2 CACT=4 CREV=8"
-    );
+    let heard = "WRITE VAR=130 NEW=65535 | IOUPDATE CLR=1 SET=2 CACT=4 CREV=8";
+    assert_eq!(requests(&mut device), heard);
     device.end();
 }
 
@@ -281,7 +242,6 @@ async fn another_device_has_the_same_tables_and_outputs() {
 async fn the_driver_understands_every_answer_of_another_device() {
     let Some(mut device) = witness(&["device"]) else { return };
     let mut driver = open(&mut device);
-    let clock = &wall_clock();
     driver.set_mode(1, Some(Mode::Remote)).await.unwrap();
     // The reasons in the order of the manual.
     for (number, reason) in [
@@ -308,7 +268,7 @@ async fn the_driver_understands_every_answer_of_another_device() {
         device.have(condition);
         for (bit, flag) in flags {
             device.have(&format!("flags {}", 1 << bit));
-            let (state, _) = driver.state(1, clock).await.unwrap();
+            let (state, _) = driver.state(1, &no_clock).await.unwrap();
             assert_eq!(state.flags, flag, "{condition}, bit {bit}");
         }
     }
@@ -324,12 +284,12 @@ async fn the_driver_understands_every_answer_of_another_device() {
     ];
     for (bit, alarm) in alarms {
         device.have(&format!("alarm {}", 1 << bit));
-        let (state, _) = driver.state(1, clock).await.unwrap();
+        let (state, _) = driver.state(1, &no_clock).await.unwrap();
         assert_eq!((state.alarms, state.mode), (alarm, 0));
         assert_eq!(driver.read(1, 68).await.unwrap(), 1 << bit);
         assert_eq!(refusal(&driver.go_to(1, 0, None).await), RejectCode::BadMode);
         driver.set_mode(1, Some(Mode::Remote)).await.unwrap();
-        assert!(driver.state(1, clock).await.unwrap().0.alarms.is_empty());
+        assert!(driver.state(1, &no_clock).await.unwrap().0.alarms.is_empty());
     }
     device.end();
 }

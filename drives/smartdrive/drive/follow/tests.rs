@@ -65,53 +65,15 @@ fn delays(response_ms: u64) -> BusDelays {
 }
 
 /// `amplitude`·(1 − cos 2πft): starts and ends at rest if `end·f` is whole; each axis slower than the one before.
-fn sines(count: usize, amplitude: f64, frequency: f64) -> impl Fn(f64) -> IncrementMotion + Sync {
+fn sines(count: u32, amplitude: f64, frequency: f64) -> impl Fn(f64) -> IncrementMotion + Sync {
     move |time| {
-        let mut motion = IncrementMotion::default();
-        for axis in 0..count {
-            let pulsation = TAU * frequency / f64::from(u32::try_from(axis).unwrap() + 1);
-            motion.position[axis] = amplitude * (1.0 - (pulsation * time).cos());
-            motion.velocity[axis] = amplitude * pulsation * (pulsation * time).sin();
-        }
-        motion
+        let axis = |slower: u32| {
+            let pulsation = TAU * frequency / f64::from(slower);
+            let angle = pulsation * time;
+            (amplitude * (1.0 - angle.cos()), amplitude * pulsation * angle.sin())
+        };
+        IncrementMotion::of((1..=count).map(axis))
     }
-}
-
-/// Follows a plan from 200 ms before it to a second after; the largest error per axis, which must end on the plan.
-fn errors(
-    axes: &[AxisOptions],
-    delays: BusDelays,
-    end_s: f64,
-    of: impl Fn(f64) -> IncrementMotion + Sync,
-) -> Vec<f64> {
-    let plan = Plan { end_s, of };
-    let mut prediction = SmartDrivePrediction::new(axes, delays);
-    assert_eq!(prediction.axis_count(), axes.len());
-    let mut largest = vec![0.0_f64; axes.len()];
-    let mut squares = vec![0.0; axes.len()];
-    let end_ns = twin_drives::ramp::nanoseconds(end_s) + 1000 * MS;
-    let mut time_ns = -200 * MS;
-    let mut count = 0.0;
-    let mut last = IncrementMotion::default();
-    while time_ns < end_ns {
-        last = prediction.advance(&plan, time_ns);
-        let planned = plan.at(time_ns).position;
-        for (index, largest) in largest.iter_mut().enumerate() {
-            let error = last.position[index] - planned[index];
-            *largest = largest.max(error.abs());
-            squares[index] += error * error;
-        }
-        count += 1.0;
-        time_ns += MS / 2;
-    }
-    let end = plan.at(end_ns).position;
-    for index in 0..axes.len() {
-        assert!((last.position[index] - end[index]).abs() <= 0.6, "{last:?} instead of {end:?}");
-        let rms: f64 = squares[index] / count;
-        println!("axis {index}: rms {:.2}, max {:.2} µsteps", rms.sqrt(), largest[index]);
-    }
-    println!("{} exchanges", prediction.exchanges());
-    largest
 }
 
 /// The bound of the module's introduction, µsteps, for a sine of `amplitude` and `frequency` on `count` axes.
@@ -127,39 +89,43 @@ fn bound(count: f64, response_ms: f64, amplitude: f64, frequency: f64) -> f64 {
 
 #[test]
 fn a_sine_is_followed_within_what_the_bus_allows() {
-    // Half a turn to and fro, then ten turns: up to 94 and 1885 rpm·(1600/3200…) of the motor.
-    for (amplitude, frequency) in [(800.0, 1.0), (4000.0, 1.0), (8000.0, 0.5), (1000.0, 2.0)] {
-        let largest = errors(&axes(1), delays(2), 3.0, sines(1, amplitude, frequency));
-        let most = bound(1.0, 2.0, amplitude, frequency);
-        assert!(largest[0] <= most, "{amplitude}, {frequency} Hz: {} > {most}", largest[0]);
+    // Drives, their response in ms, amplitude in µsteps (a turn has 3200), Hz, seconds.
+    for (name, count, response_ms, amplitude, frequency, end_s) in [
+        ("half a turn to and fro", 1, 2, 800.0, 1.0, 3.0),
+        ("some turns", 1, 2, 4000.0, 1.0, 3.0),
+        ("most turns", 1, 2, 8000.0, 0.5, 3.0),
+        ("fast turns", 1, 2, 1000.0, 2.0, 3.0),
+        ("three drives share the bus", 3, 2, 4000.0, 1.0, 6.0),
+        ("a drive that takes its time", 1, 20, 4000.0, 0.5, 4.0),
+        ("a drive that takes all its time", 1, 50, 4000.0, 0.5, 4.0),
+        // Slower than one rpm the drive goes by single steps: what rounding of position and speed make in a round.
+        ("slower than the slowest speed", 1, 2, 10.0, 0.5, 4.0),
+    ] {
+        // From 200 ms before the plan to a second after.
+        let plan = Plan { end_s, of: sines(count.into(), amplitude, frequency) };
+        let mut prediction = SmartDrivePrediction::new(&axes(count), delays(response_ms));
+        assert_eq!(prediction.axis_count(), usize::from(count));
+        let end_ns = twin_drives::ramp::nanoseconds(end_s) + 1000 * MS;
+        let mut largest = [0.0_f64; MAX_DRIVE_AXES];
+        let mut last = IncrementMotion::default();
+        for time_ns in (-200 * MS..end_ns).step_by(500_000) {
+            last = prediction.advance(&plan, time_ns);
+            let planned = plan.at(time_ns).position;
+            for ((largest, position), planned) in largest.iter_mut().zip(last.position).zip(planned)
+            {
+                *largest = largest.max((position - planned).abs());
+            }
+        }
+        let end = plan.at(end_ns).position;
+        let response_ms = f64::from(u32::try_from(response_ms).unwrap());
+        for index in 0..count {
+            let (slower, axis) = (f64::from(index + 1), usize::from(index));
+            let away = (last.position[axis] - end[axis]).abs();
+            assert!(away <= 0.6, "{name}, axis {axis}: {last:?} instead of {end:?}");
+            let most = bound(count.into(), response_ms, amplitude, frequency / slower);
+            assert!(largest[axis] <= most, "{name}, axis {axis}: {} > {most}", largest[axis]);
+        }
     }
-}
-
-#[test]
-fn three_drives_share_the_bus() {
-    let largest = errors(&axes(3), delays(2), 6.0, sines(3, 4000.0, 1.0));
-    for (index, largest) in largest.iter().enumerate() {
-        let slower = f64::from(u32::try_from(index).unwrap() + 1);
-        let most = bound(3.0, 2.0, 4000.0, 1.0 / slower);
-        assert!(*largest <= most, "axis {index}: {largest} > {most}");
-    }
-}
-
-#[test]
-fn drives_that_take_their_time_are_followed_as_well_as_that_allows() {
-    for response_ms in [20, 50] {
-        let largest = errors(&axes(1), delays(response_ms), 4.0, sines(1, 4000.0, 0.5));
-        let most = bound(1.0, f64::from(u32::try_from(response_ms).unwrap()), 4000.0, 0.5);
-        assert!(largest[0] <= most, "{response_ms} ms: {} > {most}", largest[0]);
-    }
-}
-
-/// Slower than one rpm the drive goes by single steps: what rounding of position and speed make in a round.
-#[test]
-fn an_axis_slower_than_the_slowest_speed_is_followed() {
-    let largest = errors(&axes(1), delays(2), 4.0, sines(1, 10.0, 0.5));
-    let most = bound(1.0, 2.0, 10.0, 0.5);
-    assert!(largest[0] <= most, "{} > {most}", largest[0]);
 }
 
 /// The number of exchanges is what the bus has room for: `drives-notes.md` has 280 a second for one drive with 2 ms,

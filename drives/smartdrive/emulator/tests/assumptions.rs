@@ -2,19 +2,14 @@
 
 use super::*;
 use crate::{
-    AccCurrent, AnswerLength, BadFrame, BothBits, HomePosition, IoUpdate, LimitStop, SetEffect,
-    StepFrom, ZeroRate,
+    AccCurrent, AnswerLength, BadFrame, BothBits, IoUpdate, LimitStop, SetEffect, StepFrom,
+    ZeroRate,
 };
 
-fn assuming(change: impl FnOnce(&mut Assumptions)) -> Device {
-    let mut options = DeviceOptions::default();
-    change(&mut options.assumptions);
-    remote_with(&options)
-}
-
-/// At rest where the next moment leads to.
+/// Waits until it is at rest after a command.
 #[track_caller]
-fn rest(device: &mut Device) {
+fn ask_and_rest(device: &mut Device, command: Command) {
+    ask(device, command);
     let mut most = 100;
     while device.motion().1 != 0.0 || !flags(device).contains(TrajectoryFlags::DONE) {
         device.advance(100 * MS);
@@ -24,25 +19,28 @@ fn rest(device: &mut Device) {
 }
 
 #[test]
-fn frames_that_are_spoilt_may_be_refused() {
+fn frames_of_others_get_silence_and_spoilt_ones_may_be_refused() {
     let good = encode(1, &Command::Ping);
-    let mut wrong = good.clone();
-    wrong[6] ^= 1;
-    let mut usual = assuming(|_| {});
-    assert_eq!((usual.handle(&wrong), usual.handle(&good[..6])), (None, None));
+    let spoilt = |address| {
+        let mut frame = encode(address, &Command::Ping);
+        frame[6] ^= 1;
+        frame
+    };
     let refused = BadFrame::Refused(RejectCode::Generic);
-    let mut device = assuming(|assumed| assumed.bad_frame = refused);
-    let handled = device.frames_handled();
-    for bad in [&wrong[..], &good[..6]] {
-        let answer = Answer::decode(&device.handle(bad).unwrap().try_into().unwrap()).unwrap();
-        assert_eq!((answer.status.rejected(), answer.tag, answer.status.address()), (true, 0, 1));
-    }
-    assert_eq!(device.frames_handled(), handled);
-    // Those of others, and what nobody answers.
-    for address in [0, 2] {
-        let mut other = encode(address, &Command::Ping);
-        other[6] ^= 1;
-        assert_eq!(device.handle(&other), None);
+    for (bad_frame, refusal) in [(BadFrame::Silent, None), (refused, Some((true, 0, 1)))] {
+        let mut device = assuming(|assumed| assumed.bad_frame = bad_frame);
+        let handled = device.frames_handled();
+        for bad in [&spoilt(1)[..], &good[..6]] {
+            let answer = device.handle(bad).map(decode);
+            let shown = answer
+                .map(|answer| (answer.status.rejected(), answer.tag, answer.status.address()));
+            assert_eq!(shown, refusal, "{bad:02X?}, {bad_frame:?}");
+        }
+        for frame in [spoilt(0), spoilt(2), encode(2, &Command::Ping)] {
+            assert_eq!(device.handle(&frame), None, "{frame:02X?}, {bad_frame:?}");
+        }
+        assert_eq!(device.frames_handled(), handled);
+        assert!(device.handle(&good).is_some());
     }
 }
 
@@ -66,22 +64,32 @@ fn answers_may_have_as_many_data_as_commands() {
     }
 }
 
+/// PING with eight bytes of data, and codes that do not exist: those are that, whatever their length.
 #[test]
 fn codes_and_lengths_may_be_refused_otherwise() {
-    let mut device = assuming(|assumed| {
-        assumed.unknown_code = RejectCode::Generic;
-        assumed.wrong_length = RejectCode::NotAvailable;
-    });
-    for (code, expected) in [(0x25, 0), (0x41, 4)] {
-        let mut frame = vec![1, code];
-        frame.extend(vec![0; 4 << (code >> 6)]);
-        let answer = device.handle(&frame::seal(frame)).unwrap();
-        let answer = Answer::decode(&answer.try_into().unwrap()).unwrap();
-        assert_eq!((answer.status.rejected(), answer.tag), (true, expected), "{code:x}");
+    use RejectCode::{BadParams, Generic, NotAvailable};
+    let usual = Assumptions::default();
+    assert_eq!((usual.unknown_code, usual.wrong_length), (NotAvailable, BadParams));
+    for (unknown_code, wrong_length) in [
+        (NotAvailable, BadParams),
+        (NotAvailable, NotAvailable),
+        (NotAvailable, Generic),
+        (Generic, NotAvailable),
+    ] {
+        let mut device = assuming(|assumed| {
+            (assumed.unknown_code, assumed.wrong_length) = (unknown_code, wrong_length);
+        });
+        for (code, expected) in [(0x25, unknown_code), (0x3F, unknown_code), (0x41, wrong_length)] {
+            let mut frame = vec![1, code];
+            frame.extend(vec![0; 4 << (code >> 6)]);
+            let answer = decode(device.handle(&frame::seal(frame)).unwrap());
+            let shown = (answer.status.rejected(), RejectCode::from_number(answer.tag));
+            assert_eq!(shown, (true, Some(expected)), "{code:x}");
+        }
+        // A variable that does not exist is not an unknown code.
+        let missing = Command::Get { parameter: 1 };
+        assert_eq!(refusal(&mut device, missing), Some(NotAvailable));
     }
-    // A variable that does not exist is not an unknown code.
-    let missing = Command::Get { parameter: 1 };
-    assert_eq!(refusal(&mut device, missing), Some(RejectCode::NotAvailable));
 }
 
 #[test]
@@ -104,28 +112,22 @@ fn steps_add_up_from_the_target() {
     let step = |distance| Command::Step { distance, profile: None };
     for (step_from, under_way) in [(StepFrom::Setpoint, None), (StepFrom::Target, Some(10_100))] {
         let mut device = assuming(|assumed| assumed.step_from = step_from);
-        ask(&mut device, go_to(10_000, 300, 0));
-        device.advance(300 * MS);
+        ask_and_wait(&mut device, go_to(10_000, 300, 0), 300);
         let expected = under_way.unwrap_or(device.counter() + 100);
-        ask(&mut device, step(100));
-        rest(&mut device);
+        ask_and_rest(&mut device, step(100));
         assert_eq!(device.counter(), expected, "{step_from:?}");
         // At rest there is no difference, nor after a STOP.
-        ask(&mut device, step(-100));
-        rest(&mut device);
+        ask_and_rest(&mut device, step(-100));
         assert_eq!(device.counter(), expected - 100);
-        ask(&mut device, go_to(100_000, 0, 0));
-        device.advance(300 * MS);
+        ask_and_wait(&mut device, go_to(100_000, 0, 0), 300);
         ask(&mut device, Command::Stop { rate: 0 });
         let here = device.counter();
-        ask(&mut device, step(7));
-        rest(&mut device);
+        ask_and_rest(&mut device, step(7));
         assert_eq!(device.counter(), here + 7, "{step_from:?}");
         // Two in a row.
         let twice = if step_from == StepFrom::Target { 2000 } else { 1000 };
         ask(&mut device, step(1000));
-        ask(&mut device, step(1000));
-        rest(&mut device);
+        ask_and_rest(&mut device, step(1000));
         assert_eq!(device.counter(), here + 7 + twice);
     }
 }
@@ -138,40 +140,12 @@ fn a_limit_switch_stops_by_another_rate() {
     {
         let mut device = assuming(|assumed| assumed.limit_stop = limit_stop);
         set(&mut device, 32, 1000);
-        ask(&mut device, go_to(1_000_000, 300, 0));
-        device.advance(1000 * MS);
+        ask_and_wait(&mut device, go_to(1_000_000, 300, 0), 1000);
         let before = device.motion().0;
-        device.set_input(Input::LimP, true);
-        device.advance(310 * MS);
+        switch(&mut device, Input::LimP, true, 310);
         near(device.motion().0 - before, way, 0.5);
         let limited = TrajectoryFlags::LIMITED_P.union(TrajectoryFlags::LIMITED);
         assert_eq!(flags(&mut device), limited);
-    }
-}
-
-#[test]
-fn homing_may_go_on_by_the_offset() {
-    for (home_position, position, mechanical) in
-        [(HomePosition::IsOffset, 500, -2000.0), (HomePosition::GoesOffset, 0, -1500.0)]
-    {
-        let mut options = DeviceOptions {
-            cams: vec![Cam { input: Input::Dir, from: -4000.0, to: -2000.0 }],
-            homing: HomingOptions { input: Input::Dir, ..HomingOptions::default() },
-            ..DeviceOptions::default()
-        };
-        options.assumptions.home_position = home_position;
-        let mut device = remote_with(&options);
-        set(&mut device, 100, 500);
-        ask(&mut device, Command::TrajectoryInit(Init::Homing));
-        let mut most = 600;
-        while ask(&mut device, Command::Ping).status.sequence_busy() {
-            assert!(!flags(&mut device).contains(TrajectoryFlags::DONE));
-            device.advance(100 * MS);
-            most -= 1;
-            assert!(most > 0, "homing never ends");
-        }
-        assert_eq!((device.counter(), flags(&mut device)), (position, TrajectoryFlags::DONE));
-        near(device.mechanical(), mechanical, 1.0);
     }
 }
 
@@ -188,8 +162,7 @@ fn a_deceleration_of_0_may_be_none_at_all() {
     ] {
         let mut device = assuming(|assumed| assumed.zero_rate = zero_rate);
         set(&mut device, 32, 0);
-        ask(&mut device, Command::Start { speed: 400, rate: 0 });
-        device.advance(1000 * MS);
+        ask_and_wait(&mut device, Command::Start { speed: 400, rate: 0 }, 1000);
         ask(&mut device, Command::Stop { rate });
         device.advance((rests_ms - 1) * MS);
         let early = device.motion().1;
@@ -201,14 +174,11 @@ fn a_deceleration_of_0_may_be_none_at_all() {
     let mut device = assuming(|assumed| assumed.zero_rate = ZeroRate::Unlimited);
     set(&mut device, 32, 0);
     set(&mut device, 33, 0);
-    ask(&mut device, go_to(5000, 0, 0));
-    rest(&mut device);
+    ask_and_rest(&mut device, go_to(5000, 0, 0));
     assert_eq!(device.counter(), 5000);
-    ask(&mut device, go_to(1_000_000, 0, 0));
-    device.advance(1000 * MS);
+    ask_and_wait(&mut device, go_to(1_000_000, 0, 0), 1000);
     let before = device.motion().0;
-    device.set_input(Input::LimP, true);
-    device.advance(MS);
+    switch(&mut device, Input::LimP, true, 1);
     near(device.motion().0 - before, 0.0, 0.5);
 }
 
@@ -217,28 +187,23 @@ fn set_may_wait_for_the_mode() {
     let mut device = assuming(|assumed| assumed.set_effect = SetEffect::WithMode);
     set(&mut device, 30, 100);
     assert_eq!(ask(&mut device, Command::Get { parameter: 30 }).words(), (500, 100));
-    ask(&mut device, Command::Start { speed: 400, rate: 0 });
-    device.advance(1000 * MS);
+    ask_and_wait(&mut device, Command::Start { speed: 400, rate: 0 }, 1000);
     assert_eq!(read(&mut device, 79), 400);
-    ask(&mut device, Command::Mode(Some(Mode::Remote)));
-    device.advance(250 * MS);
-    ask(&mut device, Command::Start { speed: 400, rate: 0 });
-    device.advance(1000 * MS);
+    ask_and_wait(&mut device, Command::Mode(Some(Mode::Remote)), 250);
+    ask_and_wait(&mut device, Command::Start { speed: 400, rate: 0 }, 1000);
     assert_eq!(read(&mut device, 79), 100);
 }
 
 #[test]
 fn set_may_begin_the_mode_anew() {
     let mut device = assuming(|assumed| assumed.set_effect = SetEffect::RestartsMode);
-    ask(&mut device, go_to(300, 0, 0));
-    rest(&mut device);
+    ask_and_rest(&mut device, go_to(300, 0, 0));
     let answer = ask(&mut device, Command::Set { parameter: 30, value: 100 });
     assert_eq!((answer.status.mode(), answer.words()), (31, (500, 100)));
     assert_eq!(refusal(&mut device, go_to(1, 0, 0)), Some(RejectCode::Working));
     device.advance(250 * MS);
     assert_eq!((device.mode(), device.counter()), (Mode::Remote, 0));
-    ask(&mut device, Command::Start { speed: 400, rate: 0 });
-    device.advance(1000 * MS);
+    ask_and_wait(&mut device, Command::Start { speed: 400, rate: 0 }, 1000);
     assert_eq!(read(&mut device, 79), 100);
     // Of two words, the low one alone begins nothing.
     let answer = ask(&mut device, Command::Set { parameter: 28, value: 7 });
@@ -266,4 +231,49 @@ fn the_present_acceleration_may_be_variable_85() {
             }
         }
     }
+}
+
+#[test]
+fn what_the_manual_does_not_say_can_be_otherwise() {
+    // Requests beyond the ceilings, 500 rpm and 2000 rpm/s.
+    for refuses in [true, false] {
+        let mut device = assuming(|assumed| assumed.refuses_beyond_ceilings = refuses);
+        let expected = refuses.then_some(RejectCode::BadParams);
+        let beyond = [
+            go_to(0, 501, 0),
+            go_to(0, 0, 2001),
+            Command::Step { distance: 1, profile: Some((501, 1)) },
+            Command::Start { speed: -501, rate: 0 },
+            Command::Stop { rate: 2001 },
+        ];
+        for command in beyond {
+            assert_eq!(refusal(&mut device, command), expected, "{command:?}");
+        }
+        assert_eq!(refusal(&mut device, go_to(0, 500, 2000)), None);
+    }
+    // Targets outside the limits.
+    let mut device = assuming(|assumed| assumed.clamps_targets = true);
+    set(&mut device, 26, -100);
+    set(&mut device, 28, 200);
+    for (target, end) in [(201, 200), (-5000, -100), (7, 7)] {
+        ask_and_wait(&mut device, go_to(target, 0, 0), 2000);
+        assert_eq!((device.counter(), flags(&mut device)), (end, TrajectoryFlags::DONE));
+    }
+    // Signs of 16-bit variables.
+    let mut device = assuming(|assumed| assumed.extends_signs = false);
+    ask_and_wait(&mut device, Command::Start { speed: -300, rate: 0 }, 1000);
+    assert_eq!(read(&mut device, 79), 0xFED4);
+    assert!(read(&mut device, 75) < 0);
+    // Words of 32 bits.
+    let mut device = assuming(|assumed| assumed.applies_words_at_once = true);
+    set(&mut device, 28, 0x0001_FFFF);
+    ask(&mut device, Command::Set { parameter: 28, value: 5 });
+    assert_eq!(refusal(&mut device, go_to(0x0001_0006, 0, 0)), Some(RejectCode::BadParams));
+    assert_eq!(refusal(&mut device, go_to(0x0001_0005, 0, 0)), None);
+    // Silence while the mode changes.
+    let mut device = assuming(|assumed| assumed.silent_while_changing = true);
+    ask(&mut device, Command::Mode(Some(Mode::Off)));
+    assert_eq!(device.handle(&encode(1, &Command::Ping)), None);
+    device.advance(250 * MS);
+    ask(&mut device, Command::Ping);
 }

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::*;
+use crate::HomePosition;
 
 /// A home switch on DIR, 4000 to 2000 µsteps behind the start.
 fn options() -> DeviceOptions {
@@ -14,7 +15,8 @@ fn options() -> DeviceOptions {
 }
 
 fn home(device: &mut Device) -> Answer {
-    ask(device, Command::TrajectoryInit(Init::Homing));
+    let begun = ask(device, Command::TrajectoryInit(Init::Homing));
+    assert!(begun.status.sequence_busy() && begun.tag & 1 == 0, "{begun:?}");
     let mut most = 600;
     loop {
         let answer = ask(device, Command::Ping);
@@ -30,24 +32,31 @@ fn home(device: &mut Device) -> Answer {
 
 #[test]
 fn the_position_is_the_offset_where_the_switch_releases() {
-    let mut device = remote_with(&options());
-    set(&mut device, 100, -777);
-    let done = home(&mut device);
-    assert_eq!(done.number(), -777);
-    assert_eq!(TrajectoryFlags::from_tag(done.tag), TrajectoryFlags::DONE);
-    // 15 rpm are 800 µsteps/s: within the 100 µs between two looks less than a step.
-    near(device.mechanical(), -2000.0, 1.0);
-    // A move afterwards counts from there.
-    ask(&mut device, go_to(-677, 0, 0));
-    device.advance(2000 * MS);
-    near(device.mechanical(), -1900.0, 1.0);
+    for (home_position, offset, position, mechanical) in [
+        (HomePosition::IsOffset, -777, -777, -2000.0),
+        (HomePosition::IsOffset, 500, 500, -2000.0),
+        // It goes on by the offset.
+        (HomePosition::GoesOffset, 500, 0, -1500.0),
+    ] {
+        let mut options = options();
+        options.assumptions.home_position = home_position;
+        let mut device = remote_with(&options);
+        set(&mut device, 100, offset);
+        let done = home(&mut device);
+        assert_eq!(done.number(), position, "{home_position:?}");
+        assert_eq!(TrajectoryFlags::from_tag(done.tag), TrajectoryFlags::DONE);
+        // 15 rpm are 800 µsteps/s: within the 100 µs between two looks less than a step.
+        near(device.mechanical(), mechanical, 1.0);
+        // A move afterwards counts from there.
+        ask_and_wait(&mut device, go_to(position + 100, 0, 0), 2000);
+        near(device.mechanical(), mechanical + 100.0, 1.0);
+    }
 }
 
 #[test]
 fn an_axis_on_the_switch_only_leaves_it() {
     let mut device = remote_with(&options());
-    ask(&mut device, go_to(-3000, 0, 0));
-    device.advance(3000 * MS);
+    ask_and_wait(&mut device, go_to(-3000, 0, 0), 3000);
     assert_eq!(home(&mut device).number(), 0);
     near(device.mechanical(), -2000.0, 1.0);
 }
@@ -87,8 +96,7 @@ fn a_switch_that_is_not_found_is_an_alarm_on_releases_that_have_it() {
 #[test]
 fn a_stop_ends_homing_and_other_moves_are_refused() {
     let mut device = remote_with(&options());
-    ask(&mut device, Command::TrajectoryInit(Init::Homing));
-    device.advance(100 * MS);
+    ask_and_wait(&mut device, Command::TrajectoryInit(Init::Homing), 100);
     for command in [
         go_to(0, 0, 0),
         Command::TrajectoryInit(Init::Position),

@@ -15,8 +15,7 @@ fn pulses_longer_than_100_us_are_caught() {
         let mut device = remote();
         device.set_input(Input::Go, true);
         device.advance(length_ns);
-        device.set_input(Input::Go, false);
-        device.advance(MS);
+        switch(&mut device, Input::Go, false, 1);
         assert_eq!(captures(&mut device), (caught, caught), "{length_ns} ns");
     }
 }
@@ -28,13 +27,11 @@ fn every_input_has_its_bits_and_variables() {
         let bit = 1 << (3 + place);
         let variables =
             |device: &mut Device| [0, 1, 2, 3].map(|k| read(device, 136 + 4 * place + k));
-        device.set_input(input, true);
-        device.advance(MS);
+        switch(&mut device, input, true, 1);
         assert_eq!(ask(&mut device, Command::IoUpdate(IoUpdate::default())).data[0], bit);
         assert_eq!(captures(&mut device), (bit, 0));
         assert_eq!(variables(&mut device), [0xFFFF, 0xFFFF, 0xFFFF, 0]);
-        device.set_input(input, false);
-        device.advance(MS);
+        switch(&mut device, input, false, 1);
         assert_eq!(captures(&mut device), (bit, bit));
         ask(&mut device, Command::IoUpdate(IoUpdate { clear_active: bit, ..IoUpdate::default() }));
         assert_eq!(captures(&mut device), (0, bit));
@@ -47,14 +44,14 @@ fn every_input_has_its_bits_and_variables() {
 #[test]
 fn outputs_are_set_and_cleared_and_left_alone() {
     let mut device = remote();
-    let mut switch = |clear, set| {
+    let mut update = |clear, set| {
         ask(&mut device, Command::IoUpdate(IoUpdate { clear, set, ..IoUpdate::default() })).data[0]
     };
-    assert_eq!(switch(0, 0b011), 0b011);
-    assert_eq!(switch(0b001, 0b100), 0b110);
+    assert_eq!(update(0, 0b011), 0b011);
+    assert_eq!(update(0b001, 0b100), 0b110);
     // In both, and the bits of inputs: nothing happens.
-    assert_eq!(switch(0b011, 0b011), 0b110);
-    assert_eq!(switch(0, 0b1111_1000), 0b110);
+    assert_eq!(update(0b011, 0b011), 0b110);
+    assert_eq!(update(0, 0b1111_1000), 0b110);
     for (variable, on) in [(128, 0), (129, 0xFFFF), (130, 0xFFFF)] {
         assert_eq!(read(&mut device, variable), on);
     }
@@ -65,16 +62,14 @@ fn outputs_are_set_and_cleared_and_left_alone() {
 fn encoders_count_and_are_zeroed_one_by_one() {
     let mut device = remote();
     set(&mut device, 50, 1000);
-    ask(&mut device, go_to(1600, 0, 0));
-    device.advance(2000 * MS);
+    ask_and_wait(&mut device, go_to(1600, 0, 0), 2000);
     let both = |device: &mut Device| [44, 45].map(|variable| read(device, variable));
     assert_eq!(both(&mut device), [2000, 500]);
     ask(&mut device, Command::TrajectoryInit(Init::Encoder1));
     assert_eq!(both(&mut device), [0, 500]);
     ask(&mut device, Command::TrajectoryInit(Init::Position));
     ask(&mut device, Command::TrajectoryInit(Init::Encoder2));
-    ask(&mut device, go_to(-3200, 0, 0));
-    device.advance(2000 * MS);
+    ask_and_wait(&mut device, go_to(-3200, 0, 0), 2000);
     assert_eq!(both(&mut device), [-4000, -1000]);
     ask(&mut device, Command::TrajectoryInit(Init::Encoders));
     assert_eq!((both(&mut device), device.counter()), ([0, 0], -3200));
@@ -96,40 +91,32 @@ fn in_mode(mode: Mode) -> Device {
     let mut device = remote();
     set(&mut device, 26, -1000);
     set(&mut device, 28, 9000);
-    ask(&mut device, Command::Mode(Some(mode)));
-    device.advance(251 * MS);
+    ask_and_wait(&mut device, Command::Mode(Some(mode)), 251);
     device
 }
 
 fn pulse(device: &mut Device, input: Input) {
-    device.set_input(input, true);
-    device.advance(MS);
-    device.set_input(input, false);
-    device.advance(2000 * MS);
+    switch(device, input, true, 1);
+    switch(device, input, false, 2000);
 }
 
 #[test]
 fn modes_of_speed_follow_their_inputs() {
     for mode in [Mode::Velocity, Mode::VelocityDirection] {
         let mut device = in_mode(mode);
-        device.set_input(Input::Go, true);
-        device.advance(200 * MS);
+        switch(&mut device, Input::Go, true, 200);
         assert!(device.motion().1 > 0.0, "{mode:?}");
-        device.set_input(Input::Go, false);
-        device.advance(1000 * MS);
+        switch(&mut device, Input::Go, false, 1000);
         near(device.motion().1, 0.0, 0.0);
         device.set_input(Input::Dir, true);
-        device.set_input(Input::Go, mode == Mode::VelocityDirection);
-        device.advance(20 * MS);
+        switch(&mut device, Input::Go, mode == Mode::VelocityDirection, 20);
         assert!(device.motion().1 < 0.0, "{mode:?}");
         assert_eq!(refusal(&mut device, go_to(0, 0, 0)), Some(RejectCode::BadMode));
     }
     for mode in [Mode::VelocityStartStop, Mode::VelocityStartStopDirection] {
         let mut device = in_mode(mode);
-        device.set_input(Input::Go, true);
-        device.advance(MS);
-        device.set_input(Input::Go, false);
-        device.advance(100 * MS);
+        switch(&mut device, Input::Go, true, 1);
+        switch(&mut device, Input::Go, false, 100);
         assert!(device.motion().1 > 0.0, "{mode:?}");
         pulse(&mut device, Input::Go);
         near(device.motion().1, 0.0, 0.0);
@@ -149,11 +136,9 @@ fn modes_of_distance_and_position_go_there() {
     pulse(&mut device, Input::Go);
     assert_eq!(device.counter(), 3200);
     let mut device = in_mode(Mode::PushPull);
-    device.set_input(Input::Go, true);
-    device.advance(2000 * MS);
+    switch(&mut device, Input::Go, true, 2000);
     assert_eq!(device.counter(), 3200);
-    device.set_input(Input::Go, false);
-    device.advance(2000 * MS);
+    switch(&mut device, Input::Go, false, 2000);
     assert_eq!(device.counter(), 0);
     let mut device = in_mode(Mode::Position);
     device.set_analog(1, 16_384);
@@ -166,10 +151,8 @@ fn modes_of_distance_and_position_go_there() {
 fn push_pull_with_a_home_switch_begins_with_homing() {
     let mut device = in_mode(Mode::PushPullHome);
     assert!(ask(&mut device, Command::Ping).status.sequence_busy());
-    device.set_input(Input::Go, true);
-    device.advance(500 * MS);
-    device.set_input(Input::Go, false);
-    device.advance(100 * MS);
+    switch(&mut device, Input::Go, true, 500);
+    switch(&mut device, Input::Go, false, 100);
     let answer = ask(&mut device, Command::Ping);
     assert!(!answer.status.sequence_busy());
     assert_eq!(answer.number(), 0);

@@ -22,50 +22,47 @@ fn there_are_three_copies_of_every_parameter() {
         let other = if factory == 1024 { 512 } else { 1024 };
         set(&mut device, entry.index, i32::from(other));
         assert_eq!(copies(&mut device, entry.index), (factory, other, factory), "{}", entry.name);
-        ask(&mut device, Command::Save);
-        device.advance(250 * MS);
-        assert_eq!(copies(&mut device, entry.index), (other, other, factory), "{}", entry.name);
-        ask(&mut device, Command::Load(LoadSource::Factory));
-        device.advance(250 * MS);
-        assert_eq!(copies(&mut device, entry.index), (other, factory, factory), "{}", entry.name);
-        ask(&mut device, Command::Load(LoadSource::Saved));
-        device.advance(250 * MS);
-        assert_eq!(copies(&mut device, entry.index).1, other, "{}", entry.name);
-        ask(&mut device, Command::Load(LoadSource::Factory));
-        device.advance(250 * MS);
+        let [load_factory, load_saved] =
+            [LoadSource::Factory, LoadSource::Saved].map(Command::Load);
+        let steps = [
+            (Command::Save, other),
+            (load_factory, factory),
+            (load_saved, other),
+            (load_factory, factory),
+        ];
+        for (command, working) in steps {
+            ask_and_wait(&mut device, command, 250);
+            let expected = (other, working, factory);
+            assert_eq!(copies(&mut device, entry.index), expected, "{}, {command:?}", entry.name);
+        }
     }
 }
 
 #[test]
 fn ranges_are_kept() {
     let mut device = remote();
+    let set = |parameter, value| Command::Set { parameter, value };
+    let (bad, none) = (Some(RejectCode::BadParams), Some(RejectCode::NotAvailable));
     for entry in &PARAMETERS {
-        let refused = |device: &mut Device, index, value| {
-            refusal(device, Command::Set { parameter: index, value })
+        let before = copies(&mut device, entry.index);
+        let wrong = if !entry.writable {
+            vec![1]
+        } else if entry.kind.is_long() {
+            Vec::new()
+        } else {
+            let below = (entry.low == 1).then_some(0);
+            u16::try_from(entry.high + 1).into_iter().chain(below).collect()
         };
-        if !entry.writable {
-            assert_eq!(refused(&mut device, entry.index, 1), Some(RejectCode::BadParams));
-        } else if !entry.kind.is_long() {
-            let before = copies(&mut device, entry.index);
-            if let Ok(beyond) = u16::try_from(entry.high + 1) {
-                let refused = refused(&mut device, entry.index, beyond);
-                assert_eq!(refused, Some(RejectCode::BadParams), "{}", entry.name);
-            }
-            if entry.low == 1 {
-                let refused = refused(&mut device, entry.index, 0);
-                assert_eq!(refused, Some(RejectCode::BadParams), "{}", entry.name);
-            }
-            assert_eq!(copies(&mut device, entry.index), before);
+        for value in wrong {
+            assert_eq!(refusal(&mut device, set(entry.index, value)), bad, "{}", entry.name);
         }
+        assert_eq!(copies(&mut device, entry.index), before, "{}", entry.name);
     }
     // Not negative: the high word of 32 bits.
-    let negative = Command::Set { parameter: 107, value: 0x8000 };
-    assert_eq!(refusal(&mut device, negative), Some(RejectCode::BadParams));
+    assert_eq!(refusal(&mut device, set(107, 0x8000)), bad);
     for missing in [1, 45, 121, 0xFFFF] {
-        let get = Command::Get { parameter: missing };
-        assert_eq!(refusal(&mut device, get), Some(RejectCode::NotAvailable));
-        let set = Command::Set { parameter: missing, value: 0 };
-        assert_eq!(refusal(&mut device, set), Some(RejectCode::NotAvailable));
+        assert_eq!(refusal(&mut device, Command::Get { parameter: missing }), none);
+        assert_eq!(refusal(&mut device, set(missing, 0)), none);
     }
 }
 
@@ -88,8 +85,7 @@ fn what_is_saved_survives_as_an_image() {
     let mut device = remote();
     set(&mut device, 30, 777);
     set(&mut device, 100, -100_000);
-    ask(&mut device, Command::Save);
-    device.advance(250 * MS);
+    ask_and_wait(&mut device, Command::Save, 250);
     set(&mut device, 31, 5);
     let image = device.flash();
     let mut again = Device::with_flash(&DeviceOptions::default(), &image).unwrap();
@@ -110,8 +106,7 @@ fn what_is_saved_survives_as_an_image() {
 fn power_lost_while_saving_leaves_what_was_saved() {
     let mut device = remote();
     set(&mut device, 30, 777);
-    ask(&mut device, Command::Save);
-    device.advance(100 * MS);
+    ask_and_wait(&mut device, Command::Save, 100);
     device.set_supply(0);
     device.set_supply(24);
     device.advance(300 * MS);
@@ -124,8 +119,8 @@ fn a_new_address_counts_from_the_next_command() {
     let answer = ask(&mut device, Command::Set { parameter: 2, value: 7 });
     assert_eq!(answer.status.address(), 1);
     assert_eq!(device.handle(&encode(1, &Command::Ping)), None);
-    let answer = device.handle(&encode(7, &Command::Ping)).unwrap();
-    assert_eq!(Answer::decode(&answer.try_into().unwrap()).unwrap().status.address(), 7);
+    let answer = decode(device.handle(&encode(7, &Command::Ping)).unwrap());
+    assert_eq!(answer.status.address(), 7);
 }
 
 #[test]
@@ -147,8 +142,7 @@ fn every_variable_is_read_and_only_outputs_are_written() {
 fn another_divisor_makes_other_speeds() {
     let mut device = remote();
     set(&mut device, 44, 64);
-    ask(&mut device, Command::Start { speed: 60, rate: 0 });
-    device.advance(1000 * MS);
+    ask_and_wait(&mut device, Command::Start { speed: 60, rate: 0 }, 1000);
     // One turn a second: 200 · 64 µsteps.
     near(device.motion().1, 12_800.0, 1e-6);
 }

@@ -2,7 +2,6 @@
 
 mod assumptions;
 mod behaviour;
-mod faults;
 mod frames;
 mod homing;
 mod inputs;
@@ -19,14 +18,25 @@ const MS: i64 = 1_000_000;
 /// A device in mode remote.
 fn remote_with(options: &DeviceOptions) -> Device {
     let mut device = Device::new(options);
-    ask(&mut device, Command::Mode(Some(Mode::Remote)));
-    device.advance(250 * MS);
+    ask_and_wait(&mut device, Command::Mode(Some(Mode::Remote)), 250);
     assert_eq!(device.mode(), Mode::Remote);
     device
 }
 
 fn remote() -> Device {
     remote_with(&DeviceOptions::default())
+}
+
+/// The same where something is assumed otherwise.
+fn assuming(change: impl FnOnce(&mut Assumptions)) -> Device {
+    let mut options = DeviceOptions::default();
+    change(&mut options.assumptions);
+    remote_with(&options)
+}
+
+#[track_caller]
+fn decode(bytes: Vec<u8>) -> Answer {
+    Answer::decode(&bytes.try_into().unwrap()).unwrap()
 }
 
 /// Sends a command to address 1 and expects it to be accepted.
@@ -37,11 +47,17 @@ fn ask(device: &mut Device, command: Command) -> Answer {
     answer
 }
 
+/// The same, and waits for so many milliseconds.
+#[track_caller]
+fn ask_and_wait(device: &mut Device, command: Command, ms: i64) {
+    ask(device, command);
+    device.advance(ms * MS);
+}
+
 /// Sends a command to address 1.
 #[track_caller]
 fn asked(device: &mut Device, command: Command) -> Answer {
-    let bytes = device.handle(&encode(1, &command)).unwrap();
-    Answer::decode(&bytes.try_into().unwrap()).unwrap()
+    decode(device.handle(&encode(1, &command)).unwrap())
 }
 
 /// Why a command to address 1 is refused.
@@ -68,6 +84,12 @@ fn set(device: &mut Device, parameter: u16, value: i32) {
         let high = u16::from_le_bytes([c, d]);
         ask(device, Command::Set { parameter: parameter + 1, value: high });
     }
+}
+
+/// Switches an input, and waits for so many milliseconds.
+fn switch(device: &mut Device, input: Input, level: bool, ms: i64) {
+    device.set_input(input, level);
+    device.advance(ms * MS);
 }
 
 #[track_caller]

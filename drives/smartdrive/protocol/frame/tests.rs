@@ -9,7 +9,7 @@ use crate::{
 };
 
 /// The vectors that are commands.
-fn commands() -> Vec<(usize, u8, Command)> {
+pub(crate) fn commands() -> Vec<(usize, u8, Command)> {
     let go_to = |target, profile| Command::GoTo { target, profile };
     let step = |distance| Command::Step { distance, profile: None };
     let set = |parameter, value| Command::Set { parameter, value };
@@ -43,7 +43,7 @@ fn commands() -> Vec<(usize, u8, Command)> {
 }
 
 /// The vectors that are answers.
-fn answers() -> Vec<(usize, Answer)> {
+pub(crate) fn answers() -> Vec<(usize, Answer)> {
     let done = TrajectoryFlags::DONE.tag(TagLayout::Diagram);
     let in_motion = TrajectoryFlags::IN_MOTION.tag(TagLayout::Diagram);
     let remote = Status::new(1, 3);
@@ -138,10 +138,13 @@ fn lengths_and_codes_that_do_not_belong_together_are_refused() {
         assert_eq!(decode(&seal(frame)), None);
     }
     // WRITE without its value, a mode and an operation that do not exist, LOAD from nowhere.
-    for frame in [[1, 0x0E, 130, 0, 0, 0], [1, 4, 2, 0, 0, 0], [1, 4, 31, 0, 0, 0]] {
-        assert_eq!(decode(&seal(frame.to_vec())), Some((1, Err(RejectCode::BadParams))));
-    }
-    for frame in [[1, 0x20, 6, 0, 0, 0], [1, 0x14, 1, 0, 0, 0]] {
+    for frame in [
+        [1, 0x0E, 130, 0, 0, 0],
+        [1, 4, 2, 0, 0, 0],
+        [1, 4, 31, 0, 0, 0],
+        [1, 0x20, 6, 0, 0, 0],
+        [1, 0x14, 1, 0, 0, 0],
+    ] {
         assert_eq!(decode(&seal(frame.to_vec())), Some((1, Err(RejectCode::BadParams))));
     }
     assert_eq!(decode(&seal(vec![1, 4, 255, 0, 0, 0])), Some((1, Ok(Command::Mode(None)))));
