@@ -27,17 +27,12 @@ impl<C: Fn() -> i64 + Sync> SetpointStream for Plan<C> {
     }
 
     fn at(&self, time_ns: i64) -> IncrementMotion {
-        let time = (time_ns as f64 * 1e-9).clamp(0.0, 2.0 * HALF_S);
+        // From −1 to 1: the plan turns at 0.
+        let part = (time_ns as f64 * 1e-9 / HALF_S - 1.0).clamp(-1.0, 1.0);
+        let sense = if part.abs() < 1.0 { -part.signum() } else { 0.0 };
         let mut motion = IncrementMotion::default();
         for (axis, stroke) in [STROKE, -0.5 * STROKE].into_iter().enumerate() {
-            motion.position[axis] = stroke * (1.0 - (time / HALF_S - 1.0).abs());
-            let sense = if time <= 0.0 || time >= 2.0 * HALF_S {
-                0.0
-            } else if time < HALF_S {
-                1.0
-            } else {
-                -1.0
-            };
+            motion.position[axis] = stroke * (1.0 - part.abs());
             motion.velocity[axis] = stroke / HALF_S * sense;
         }
         motion
@@ -68,24 +63,25 @@ fn emulated() -> (tempfile::TempDir, EmulatedModule) {
     (folder, module)
 }
 
-/// A drive whose deadlines are for a machine that does other things, too.
-fn drive(module: &EmulatedModule) -> Bim2AxDrive {
+/// A drive whose deadlines are for a machine that does other things, too, enabled; and a plan that has not begun.
+fn drive(module: &EmulatedModule) -> (Bim2AxDrive, Plan<impl Fn() -> i64 + Sync + Copy + use<>>) {
     let mut options = Bim2AxDriveOptions::new();
     options.driver.deadline = Duration::from_secs(5);
     let path = module.path();
     let memory = MemoryFile::open(path).unwrap();
-    Bim2AxDrive::new(path.to_str().unwrap(), memory, &options).unwrap()
+    let mut drive = Bim2AxDrive::new(path.to_str().unwrap(), memory, &options).unwrap();
+    let plan = Plan { clock: wall_clock(), start_ns: i64::MAX / 2 };
+    let first = drive.probe(&plan).unwrap();
+    assert_eq!((first.position, first.moving), ([0; 5], false));
+    drive.enable().unwrap();
+    (drive, plan)
 }
 
 #[test]
 fn it_follows_a_plan_and_ends_on_it() {
     let (_folder, module) = emulated();
-    let mut drive = drive(&module);
-    let clock = wall_clock();
-    let plan = Plan { clock, start_ns: clock() + 300_000_000 };
-    let first = drive.probe(&plan).unwrap();
-    assert_eq!((first.position, first.moving), ([0; 5], false));
-    drive.enable().unwrap();
+    let (mut drive, mut plan) = drive(&module);
+    plan.start_ns = (plan.clock)() + 300_000_000;
     let mut farthest = [0, 0];
     let mut samples = 0;
     while plan.now_ns() < 2_000_000_000 {
@@ -104,56 +100,41 @@ fn it_follows_a_plan_and_ends_on_it() {
 #[test]
 fn positions_moves_homing_and_stops() {
     let (_folder, module) = emulated();
-    let mut drive = drive(&module);
-    let clock = wall_clock();
-    let plan = Plan { clock, start_ns: i64::MAX / 2 };
-    drive.probe(&plan).unwrap();
-    drive.enable().unwrap();
+    let (mut drive, plan) = drive(&module);
+    let at = |one, two| [one, two, 0, 0, 0];
+    drive.set_position(&at(700, -900)).unwrap();
+    assert_eq!(drive.sample(&plan).unwrap().position, at(700, -900));
 
-    let mut position = [0; 5];
-    position[..2].copy_from_slice(&[700, -900]);
-    drive.set_position(&position).unwrap();
-    assert_eq!(drive.sample(&plan).unwrap().position, position);
-
-    position[..2].copy_from_slice(&[800, -950]);
-    drive.move_to(&position, &[4000.0; 5]).unwrap();
+    drive.move_to(&at(800, -950), &[4000.0; 5]).unwrap();
     while drive.sample(&plan).unwrap().moving {}
-    assert_eq!(drive.sample(&plan).unwrap().position, position);
+    assert_eq!(drive.sample(&plan).unwrap().position, at(800, -950));
 
     drive.home(Duration::from_secs(20)).unwrap();
     assert_eq!(drive.sample(&plan).unwrap().position, [0; 5]);
     assert_eq!(module.module().shaft(ModuleAxis::One), -400);
 
     // Half a minute each, so that the stops come before the ends.
-    position[..2].copy_from_slice(&[2900, 0]);
-    drive.move_to(&position, &[100.0; 5]).unwrap();
+    drive.move_to(&at(2900, 0), &[100.0; 5]).unwrap();
     drive.soft_stop().unwrap();
     let stopped = drive.sample(&plan).unwrap();
     assert!(!stopped.moving && stopped.position[0] < 2900);
 
-    drive.move_to(&position, &[100.0; 5]).unwrap();
+    drive.move_to(&at(2900, 0), &[100.0; 5]).unwrap();
     drive.hard_stop().unwrap();
     let error = drive.sample(&plan).unwrap_err();
-    let hard_stopped = |messages: u16| messages & message::HARD_STOPPED != 0;
-    assert!(
-        matches!(error.fault(), Some(Fault::AxisMessages { axis: 1, messages }) if hard_stopped(*messages)),
-        "{error}"
-    );
-    let speed = drive.move_to(&position, &[0.2; 5]).unwrap_err();
-    assert!(matches!(speed, DriveError::Range { .. }), "{speed}");
-    position[0] = 4_194_304;
-    let beyond = drive.move_to(&position, &[1000.0; 5]).unwrap_err();
-    assert!(matches!(beyond, DriveError::Range { .. }), "{beyond}");
+    let Some(Fault::AxisMessages { axis: 1, messages }) = error.fault() else { panic!("{error}") };
+    assert_ne!(messages & message::HARD_STOPPED, 0, "{error}");
+    for (place, speed) in [(2900, 0.2), (4_194_304, 1000.0)] {
+        let error = drive.move_to(&at(place, 0), &[speed; 5]).unwrap_err();
+        assert!(matches!(error, DriveError::Range { .. }), "{error}");
+    }
     assert!(matches!(drive.set_output(1, true), Err(DriveError::Unsupported { .. })));
 }
 
 #[test]
 fn an_eeprom_survives_a_restart_and_the_file_goes_with_the_emulator() {
     let (folder, module) = emulated();
-    let mut drive = drive(&module);
-    let plan = Plan { clock: wall_clock(), start_ns: i64::MAX / 2 };
-    drive.probe(&plan).unwrap();
-    drive.enable().unwrap();
+    let (mut drive, plan) = drive(&module);
     drive.move_to(&[40, -60, 0, 0, 0], &[1000.0; 5]).unwrap();
     while drive.sample(&plan).unwrap().moving {}
     let path = module.path().to_path_buf();
@@ -179,23 +160,18 @@ fn files_that_are_no_memory_or_in_use_are_left_alone() {
     assert!(MemoryFile::open(&precious).is_err(), "too short");
 }
 
-/// A drive in virtual time, which only passes while it sleeps; the module; the time.
-fn virtually() -> (Bim2AxDrive, SharedModule, impl Fn() -> i64 + Send + Sync + Clone) {
-    let mut eeprom = eeprom();
-    for axis in BOTH {
-        // Nothing in its way.
-        let bits = coefficient::PRESENT | coefficient::IGNORE_SWITCHES;
-        set(&mut eeprom, axis, AxisParameter::Coefficient, bits.into());
-    }
-    let module = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
-    virtual_drive(&module, (&eeprom, &Surroundings::default()), &Bim2AxDriveOptions::new())
+/// A drive in virtual time, which only passes while it sleeps; its module; and a plan that has not begun.
+pub(super) struct Virtual<C> {
+    pub(super) drive: Bim2AxDrive,
+    pub(super) module: SharedModule,
+    pub(super) plan: Plan<C>,
 }
 
 pub(super) fn virtual_drive(
-    module: &ModuleOptions,
     (eeprom, surroundings): (&Eeprom, &Surroundings),
+    module: &ModuleOptions,
     options: &Bim2AxDriveOptions,
-) -> (Bim2AxDrive, SharedModule, impl Fn() -> i64 + Send + Sync + Clone + use<>) {
+) -> Virtual<impl Fn() -> i64 + Send + Sync + Clone + use<>> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_time()
         .start_paused(true)
@@ -207,44 +183,87 @@ pub(super) fn virtual_drive(
         let _inside = handle.enter();
         i64::try_from(zero.elapsed().as_nanos()).unwrap()
     };
-    let module = Module::new(module, eeprom, surroundings);
-    let module = SharedModule::new(module, clock.clone());
+    let module = SharedModule::new(Module::new(module, eeprom, surroundings), clock.clone());
     let drive = Bim2AxDrive::on(runtime, "module", module.clone(), options).unwrap();
-    (drive, module, clock)
+    Virtual { drive, module, plan: Plan { clock, start_ns: i64::MAX / 2 } }
+}
+
+impl<C: Fn() -> i64 + Sync> Virtual<C> {
+    /// Probed and enabled.
+    pub(super) fn ready(mut self) -> Self {
+        self.drive.probe(&self.plan).unwrap();
+        self.drive.enable().unwrap();
+        self
+    }
+
+    pub(super) fn now_ns(&self) -> i64 {
+        (self.plan.clock)()
+    }
+
+    /// Follows the plan until `to_ns` of it.
+    pub(super) fn follow(&mut self, to_ns: i64) {
+        while self.plan.now_ns() < to_ns {
+            self.drive.follow(&self.plan).unwrap();
+        }
+    }
+
+    /// Looks until the axes rest.
+    pub(super) fn rests(&mut self) -> Result<[i64; 2], DriveError> {
+        let end_ns = self.now_ns() + 60_000_000_000;
+        loop {
+            let sample = self.drive.sample(&self.plan)?;
+            if !sample.moving {
+                return Ok([sample.position[0], sample.position[1]]);
+            }
+            assert!(self.now_ns() < end_ns, "it does not end");
+        }
+    }
+
+    /// Begins a move of both axes at full speed.
+    pub(super) fn begin(&mut self, [one, two]: [i64; 2]) -> Result<(), DriveError> {
+        self.drive.move_to(&[one, two, 0, 0, 0], &[10_000.0; 5])
+    }
+
+    /// Moves both axes at full speed, until they rest.
+    pub(super) fn goes(&mut self, to: [i64; 2]) -> Result<[i64; 2], DriveError> {
+        self.begin(to)?;
+        self.rests()
+    }
+
+    /// Homes both axes.
+    pub(super) fn homes(&mut self) -> Result<[i64; 2], DriveError> {
+        self.drive.begin_homing(&[Some(1), Some(1), None, None, None]).unwrap();
+        self.rests()
+    }
+
+    pub(super) fn homed(&mut self) -> [Option<bool>; 2] {
+        let homed = self.drive.homed().unwrap();
+        [homed[0], homed[1]]
+    }
+}
+
+pub(super) fn quick() -> ModuleOptions {
+    ModuleOptions { boot_ns: 0, ..ModuleOptions::default() }
 }
 
 /// §4 of the digest leaves open what a module counts at home. The cam of both ends at −400: axes that count 700 and −900 where
 /// they start from 0 have 300 and −1300 there if they count on, else 0.
 #[test]
 fn a_count_at_home_that_contradicts_what_is_assumed_is_told() {
-    let ways = [Some(1), Some(1), None, None, None];
     for (device, driver) in [(false, false), (true, true), (true, false), (false, true)] {
-        let mut module = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
+        let mut module = quick();
         module.assumptions.homing_keeps_position = device;
         let mut options = Bim2AxDriveOptions::new();
         options.driver.assumptions.homing_keeps_position = driver;
-        let (mut drive, _module, clock) =
-            virtual_drive(&module, (&eeprom(), &surroundings()), &options);
-        let plan = Plan { clock: clock.clone(), start_ns: i64::MAX / 2 };
-        drive.probe(&plan).unwrap();
-        drive.enable().unwrap();
-        drive.set_position(&[700, -900, 0, 0, 0]).unwrap();
-        drive.begin_homing(&ways).unwrap();
-        let last = loop {
-            let sample = drive.sample(&plan).unwrap();
-            if !sample.moving {
-                break sample.position;
-            }
-            assert!(clock() < 60_000_000_000, "it does not end");
-        };
+        let mut rig = virtual_drive((&eeprom(), &surroundings()), &module, &options).ready();
+        rig.drive.set_position(&[700, -900, 0, 0, 0]).unwrap();
         let home = if device { [300, -1300] } else { [0, 0] };
-        assert_eq!(last[..2], home, "{device} {driver}");
-        let homed = drive.homed();
+        assert_eq!(rig.homes().unwrap(), home, "{device} {driver}");
         if device == driver {
-            assert_eq!(homed.unwrap()[..2], [Some(true); 2], "{device} {driver}");
+            assert_eq!(rig.homed(), [Some(true); 2], "{device} {driver}");
             continue;
         }
-        let error = homed.unwrap_err();
+        let error = rig.drive.homed().unwrap_err();
         let said = error.to_string();
         assert!(said.contains("`homing_keeps_position`"), "{said}");
         match error.fault() {
@@ -256,17 +275,22 @@ fn a_count_at_home_that_contradicts_what_is_assumed_is_told() {
             _ => panic!("{error}"),
         }
         // It is reported once; that the axes are homed the module says.
-        assert_eq!(drive.homed().unwrap()[..2], [Some(true); 2]);
+        assert_eq!(rig.homed(), [Some(true); 2]);
     }
 }
 
 #[test]
 fn in_virtual_time_it_follows_as_well_as_its_wire_allows() {
-    let (mut drive, module, clock) = virtually();
-    let mut plan = Plan { clock: clock.clone(), start_ns: i64::MAX / 2 };
-    drive.probe(&plan).unwrap();
-    drive.enable().unwrap();
-    plan.start_ns = clock() + 100_000_000;
+    let mut eeprom = eeprom();
+    for axis in BOTH {
+        // Nothing in its way.
+        let bits = coefficient::PRESENT | coefficient::IGNORE_SWITCHES;
+        set(&mut eeprom, axis, AxisParameter::Coefficient, bits.into());
+    }
+    let free = (&eeprom, &Surroundings::default());
+    let mut rig = virtual_drive(free, &quick(), &Bim2AxDriveOptions::new()).ready();
+    rig.plan.start_ns = rig.now_ns() + 100_000_000;
+    let Virtual { mut drive, module, plan } = rig;
     let mut worst = 0.0_f64;
     let mut orders = 0;
     let mut moved = false;
@@ -295,45 +319,25 @@ fn in_virtual_time_it_follows_as_well_as_its_wire_allows() {
 
 #[test]
 fn an_axis_alone_is_followed_too() {
-    let runtime =
-        tokio::runtime::Builder::new_current_thread().enable_time().start_paused(true).build();
-    let runtime = runtime.unwrap();
-    let handle = runtime.handle().clone();
-    let zero = runtime.block_on(async { Instant::now() });
-    let clock = move || {
-        let _inside = handle.enter();
-        i64::try_from(zero.elapsed().as_nanos()).unwrap()
-    };
-    let options = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
-    let module = Module::new(&options, &eeprom(), &surroundings());
-    let module = SharedModule::new(module, clock.clone());
     let mut options = Bim2AxDriveOptions::new();
     options.axes = vec![ModuleAxis::Two];
-    let mut drive = Bim2AxDrive::on(runtime, "module", module.clone(), &options).unwrap();
-    let mut plan = Plan { clock: clock.clone(), start_ns: i64::MAX / 2 };
-    drive.probe(&plan).unwrap();
-    drive.enable().unwrap();
-    plan.start_ns = clock();
-    while plan.now_ns() < 700_000_000 {
-        drive.follow(&plan).unwrap();
-    }
+    let mut rig = virtual_drive((&eeprom(), &surroundings()), &quick(), &options).ready();
+    rig.plan.start_ns = rig.now_ns();
+    rig.follow(700_000_000);
     // The first axis of the plan is the second of the module; 560 of 600 µsteps are due.
     let (one, two) = (ModuleAxis::One, ModuleAxis::Two);
-    let module = module.module();
-    let (stands, moves) = (module.position(one), module.position(two));
-    assert!(stands == 0.0 && (540.0..580.0).contains(&moves), "{stands} {moves}");
+    let module = rig.module.module();
+    let (rests, moves) = (module.position(one), module.position(two));
+    assert!(rests == 0.0 && (540.0..580.0).contains(&moves), "{rests} {moves}");
 }
 
 #[test]
 fn modules_without_the_order_for_phases_are_enabled_by_a_motor_test() {
     for phases_on_order in [true, false] {
-        let options = ModuleOptions { boot_ns: 0, phases_on_order, ..ModuleOptions::default() };
-        let clock = wall_clock();
-        let module = SharedModule::new(Module::new(&options, &eeprom(), &surroundings()), clock);
-        let mut options = Bim2AxDriveOptions::new();
-        options.driver.deadline = Duration::from_secs(5);
-        let mut drive = Bim2AxDrive::new("module", module.clone(), &options).unwrap();
-        let plan = Plan { clock, start_ns: i64::MAX / 2 };
+        let options = ModuleOptions { phases_on_order, ..quick() };
+        let usual = (&eeprom(), &surroundings());
+        let Virtual { mut drive, module, plan } =
+            virtual_drive(usual, &options, &Bim2AxDriveOptions::new());
         drive.probe(&plan).unwrap();
         assert_eq!(module.module().current_ma(ModuleAxis::One), 0);
         drive.enable().unwrap();

@@ -4,7 +4,7 @@ use super::*;
 use crate::Fault;
 use crate::tests::common::fault_of;
 use crate::{
-    Assumptions, ByteOrder, Start,
+    Assumptions, ByteOrder,
     protocol::bits::{card, message, uc},
 };
 use twin_drives::{Axes, DriveError};
@@ -66,29 +66,25 @@ async fn strangers_and_modules_that_do_not_run_are_told() {
 #[tokio::test(start_paused = true)]
 async fn modules_before_version_15_are_driven_zone_by_zone() {
     let module = ModuleOptions { version: 14, ..ModuleOptions::default() };
-    let options = Bim2AxOptions::default();
-    let mut rig = Rig::new(&module, &options, &eeprom(), &surroundings()).await;
-    let clock = &clock();
-    rig.driver.start([Some(Start::to(100)), Some(Start::to(-200))], clock).await.unwrap();
-    let (seen, _) = rig.driver.rested(seconds(5), clock).await.unwrap();
-    assert_eq!(seen.positions, [100, -200]);
+    let mut rig = Rig::of(&module).await;
+    assert_eq!(rig.go([Some(100), Some(-200)]).await.positions, [100, -200]);
     let written = rig.log.take();
     assert!(!written.iter().any(|access| access.starts_with("70..73←7") || *access == "70←01"));
     // The zone of acknowledgements only is refreshed with an order.
-    rig.driver.acknowledgements(clock).await.unwrap();
+    rig.driver.acknowledgements(&clock()).await.unwrap();
 }
 
 #[tokio::test(start_paused = true)]
 async fn what_an_axis_does_not_do_is_told_with_its_messages() {
     let mut rig = Rig::usual().await;
     let clock = &clock();
-    rig.driver.start([Some(Start::to(2000)), None], clock).await.unwrap();
+    rig.start([Some(2000), None]).await;
     let refused = rig.driver.start([Some(Start::to(5)), None], clock).await;
     // It goes on, and that it refused is in its messages.
     assert!(
         refused.is_ok() || matches!(fault_of(&refused), Some(Fault::AxisMessages { axis: 1, .. }))
     );
-    let (seen, _) = rig.driver.rested(seconds(5), clock).await.unwrap();
+    let seen = rig.rest().await;
     assert_eq!(seen.positions[0], 2000);
     assert_eq!(seen.messages[0] & message::REFUSED, message::REFUSED);
 
@@ -112,7 +108,7 @@ async fn phases_tests_and_stops() {
     let clock = &clock();
     rig.driver.set_phases(&BOTH, true, clock).await.unwrap();
     rig.driver.set_phases(&[ModuleAxis::Two], false, clock).await.unwrap();
-    let (seen, _) = rig.driver.positions(clock).await.unwrap();
+    let seen = rig.seen().await;
     assert_eq!(seen.messages, [0, message::PHASES_OFF]);
     rig.driver.test_motors(&BOTH, clock).await.unwrap();
     rig.rewire(|surroundings| surroundings.benches[0].phase_short = true);
@@ -121,14 +117,14 @@ async fn phases_tests_and_stops() {
     rig.rewire(|surroundings| surroundings.benches[0].phase_short = false);
     rig.driver.test_motors(&[ModuleAxis::One], clock).await.unwrap();
 
-    rig.driver.start([Some(Start::to(2900)), Some(Start::to(-2900))], clock).await.unwrap();
+    rig.start([Some(2900), Some(-2900)]).await;
     sleep(Duration::from_millis(100)).await;
     rig.driver.abandon(clock).await.unwrap();
     assert_eq!(rig.driver.acknowledgements(clock).await.unwrap().uc, [uc::ABANDON; 2]);
     let error = rig.driver.rested(Duration::from_millis(1), clock).await.unwrap_err();
     assert!(matches!(error, DriveError::Moving { axes: Axes::Numbers(3), .. }), "{error}");
     rig.driver.rested(seconds(1), clock).await.unwrap();
-    rig.driver.start([Some(Start::to(0)), None], clock).await.unwrap();
+    rig.start([Some(0), None]).await;
     rig.driver.stop_hard(clock).await.unwrap();
     assert_eq!(rig.driver.acknowledgements(clock).await.unwrap().uc, [uc::HARD_STOP, uc::ABANDON]);
 }
@@ -156,11 +152,9 @@ async fn it_does_not_matter_to_the_driver_how_the_module_treats_zones() {
     for (refreshes_all, keeps_entries) in [(true, false), (false, true), (false, false)] {
         let assumptions = Assumptions { refreshes_all, keeps_entries, ..Assumptions::default() };
         let module = ModuleOptions { assumptions, ..ModuleOptions::default() };
-        let options = Bim2AxOptions::default();
-        let mut rig = Rig::new(&module, &options, &eeprom(), &surroundings()).await;
+        let mut rig = Rig::of(&module).await;
         let clock = &clock();
-        rig.driver.start([Some(Start::to(300)), Some(Start::to(-300))], clock).await.unwrap();
-        rig.driver.rested(seconds(5), clock).await.unwrap();
+        rig.go([Some(300), Some(-300)]).await;
         // Had the entries been carried out again, axis 2 would go back to its old target.
         rig.manual([0, 0x10]).await;
         sleep(Duration::from_millis(100)).await;

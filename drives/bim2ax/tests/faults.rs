@@ -5,11 +5,13 @@ use super::*;
 use crate::Fault;
 use crate::tests::common::fault_of;
 use crate::{
-    Start,
     emulator::Control,
     protocol::bits::{card, message},
 };
 use twin_drives::{Clock, Direction, DriveError, FaultRule, When, WireFault};
+
+/// Later than the deadline, so that the answer to a question comes during the next.
+const LATE: WireFault = WireFault::Delay { ns: 15_000_000 };
 
 /// What an axis is doing when something goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +40,7 @@ async fn doing(what: Doing) -> Rig {
         Doing::Idle => {}
         Doing::Homing => rig.driver.home(&[ModuleAxis::One], clock).await.unwrap(),
         Doing::Moving | Doing::Stopping => {
-            rig.driver.start([Some(Start::to(50_000)), None], clock).await.unwrap();
+            rig.start([Some(50_000), None]).await;
             sleep(seconds(1)).await;
         }
     }
@@ -60,14 +62,17 @@ async fn everywhere(test: impl AsyncFn(&mut Rig, Doing, &dyn Clock)) {
 
 impl Rig {
     async fn moves(&mut self) -> bool {
-        let (seen, _) = self.driver.positions(&clock()).await.unwrap();
-        seen.messages[0] & message::MOVING != 0
+        self.seen().await.messages[0] & message::MOVING != 0
     }
 
-    /// Something goes wrong with every interrupt from now on.
+    /// Something goes wrong with interrupts.
+    fn spoil(&self, direction: Direction, when: When, fault: WireFault) {
+        self.module.module().control(Control::Fault(FaultRule { direction, when, fault }));
+    }
+
+    /// It goes wrong with every interrupt from now on.
     fn always(&self, direction: Direction, fault: WireFault) {
-        let rule = FaultRule { direction, when: When::Always, fault };
-        self.module.module().control(Control::Fault(rule));
+        self.spoil(direction, When::Always, fault);
     }
 
     /// Nothing goes wrong any more.
@@ -83,13 +88,9 @@ impl Rig {
 
     /// The module obeys again.
     async fn usable(&mut self) {
-        let clock = &clock();
-        self.driver.rested(seconds(60), clock).await.unwrap();
-        let (before, _) = self.driver.positions(clock).await.unwrap();
+        let (before, _) = self.driver.rested(seconds(60), &clock()).await.unwrap();
         let there = before.positions[0] - 100;
-        self.driver.start([Some(Start::to(there)), None], clock).await.unwrap();
-        let (after, _) = self.driver.rested(seconds(5), clock).await.unwrap();
-        assert_eq!(after.positions[0], there);
+        assert_eq!(self.go([Some(there), None]).await.positions[0], there);
     }
 }
 
@@ -98,11 +99,8 @@ async fn a_module_that_hears_nothing_is_a_timeout_and_motion_goes_on_to_its_end(
     everywhere(async |rig, what, clock| {
         rig.always(Direction::Request, WireFault::Drop);
         let error = rig.driver.positions(clock).await.unwrap_err();
-        let text = error.to_string();
-        assert_eq!(
-            text, "/dev/uio0: reading zone 0 (Position): no answer within 10 ms",
-            "{what:?}"
-        );
+        let text = "/dev/uio0: reading zone 0 (Position): no answer within 10 ms";
+        assert_eq!(error.to_string(), text, "{what:?}");
         // What was there before is not taken for an answer to an order either.
         let error = rig.driver.stop_hard(clock).await.unwrap_err();
         assert!(matches!(error, DriveError::Timeout { .. }), "{what:?}: {error}");
@@ -129,20 +127,18 @@ async fn a_module_that_says_nothing_still_stops() {
 #[tokio::test(start_paused = true)]
 async fn late_answers_are_not_taken_for_those_to_the_next_question() {
     everywhere(async |rig, what, clock| {
-        // Later than the deadline, so that the answer to a question comes during the next.
-        rig.always(Direction::Request, WireFault::Delay { ns: 15_000_000 });
+        rig.always(Direction::Request, LATE);
         // A late answer is for one zone and the question for another: the zone's number tells.
         for _ in 0..5 {
             if let Err(error) = rig.driver.acknowledgements(clock).await {
-                let told =
-                    matches!(error, DriveError::Timeout { .. } | DriveError::Protocol { .. });
-                assert!(told, "{what:?}: {error}");
+                use DriveError::{Protocol, Timeout};
+                assert!(matches!(error, Timeout { .. } | Protocol { .. }), "{what:?}: {error}");
             }
             if let Ok((seen, stamp)) = rig.driver.positions(clock).await {
                 let now = rig.module.module().position(ModuleAxis::One);
-                let moved =
-                    10_000.0 * twin_drives::ramp::seconds(clock.now_ns() - stamp.sent_ns) + 1.0;
-                assert!((f64::from(seen.positions[0]) - now).abs() <= moved, "{what:?}: stale");
+                let took = twin_drives::ramp::seconds(clock.now_ns() - stamp.sent_ns);
+                let moved = (f64::from(seen.positions[0]) - now).abs();
+                assert!(moved <= 10_000.0 * took + 1.0, "{what:?}: stale");
             }
         }
         rig.sound();
@@ -163,7 +159,7 @@ async fn garbled_zone_numbers_and_parameters_are_told() {
         let error = rig.driver.positions(clock).await.unwrap_err();
         assert!(matches!(error, DriveError::Protocol { .. }), "{what:?}: {error}");
         rig.sound();
-        assert_eq!(rig.driver.parameter(Parameter::Version, clock).await.unwrap(), 15);
+        assert_eq!(rig.get(Parameter::Version).await, 15);
     })
     .await;
 }
@@ -175,25 +171,21 @@ async fn a_parameter_that_does_not_come_is_asked_for_again_once() {
     let faults = [
         (Direction::Request, WireFault::Drop),
         (Direction::Answer, WireFault::Drop),
-        (Direction::Request, WireFault::Delay { ns: 15_000_000 }),
-        (Direction::Answer, WireFault::Delay { ns: 15_000_000 }),
+        (Direction::Request, LATE),
+        (Direction::Answer, LATE),
     ];
     everywhere(async |rig, what, clock| {
         for (direction, fault) in faults {
             for (lost, answered) in [(1, true), (2, false)] {
-                let rule = FaultRule { direction, when: When::Next(lost), fault };
-                rig.module.module().control(Control::Fault(rule));
-                let told = rig.driver.parameter(Parameter::Rating, clock).await;
-                assert_eq!(told.is_ok(), answered, "{what:?}, {lost} × {direction:?} {fault}");
-                if let Ok(told) = told {
-                    assert_eq!(told, 2000);
-                }
+                rig.spoil(direction, When::Next(lost), fault);
+                let rating = rig.driver.parameter(Parameter::Rating, clock).await.ok();
+                let expected = answered.then_some(2000);
+                assert_eq!(rating, expected, "{what:?}, {lost} × {direction:?} {fault}");
                 rig.sound();
             }
             // Zone, rating and version are three questions.
             for unharmed in 0..3 {
-                let rule = FaultRule { direction, when: When::After(unharmed), fault };
-                rig.module.module().control(Control::Fault(rule));
+                rig.spoil(direction, When::After(unharmed), fault);
                 let identity = rig.driver.identify(clock).await.unwrap();
                 assert_eq!((identity.rating_ma, identity.version), (2000, 15), "{what:?}");
                 rig.sound();
@@ -214,7 +206,7 @@ async fn a_reset_on_the_way_stops_the_motor_and_is_told() {
         assert!(matches!(error.fault(), Some(Fault::NotRunning)), "{what:?}: {error}");
         assert!(rig.speed() == 0.0, "{what:?}");
         sleep(seconds(1)).await;
-        let (seen, _) = rig.driver.positions(clock).await.unwrap();
+        let seen = rig.seen().await;
         assert_eq!(seen.messages[0] & (message::HOMED | message::PHASES_OFF), message::PHASES_OFF);
         assert_eq!(rig.module.module().shaft(ModuleAxis::One), stood, "{what:?}");
     })
@@ -225,7 +217,7 @@ async fn a_reset_on_the_way_stops_the_motor_and_is_told() {
 async fn power_lost_on_the_way_stops_hard_and_is_told() {
     everywhere(async |rig, what, clock| {
         rig.rewire(|surroundings| surroundings.benches[0].power = false);
-        let (seen, _) = rig.driver.positions(clock).await.unwrap();
+        let seen = rig.seen().await;
         let hard = if what == Doing::Idle { 0 } else { message::HARD_STOPPED };
         let told =
             seen.messages[0] & (message::POWER_ABSENT | message::HARD_STOPPED | message::MOVING);
@@ -253,26 +245,23 @@ async fn a_phase_that_breaks_is_found_at_the_end_and_cleared_by_a_test() {
 #[tokio::test(start_paused = true)]
 async fn a_switch_that_sticks_stops_with_the_ramp() {
     everywhere(async |rig, what, clock| {
-        rig.rewire(|surroundings| {
-            for contact in [&mut surroundings.benches[0].plus, &mut surroundings.benches[0].minus] {
-                *contact = contact.map(|contact| Contact { stuck: Some(true), ..contact });
-            }
-        });
+        let stick = |rig: &Rig, stuck| {
+            rig.rewire(|surroundings| {
+                let bench = &mut surroundings.benches[0];
+                for contact in [&mut bench.plus, &mut bench.minus].into_iter().flatten() {
+                    contact.stuck = stuck;
+                }
+            });
+        };
+        stick(rig, Some(true));
         // At most 6000 µsteps/s at 5000 µsteps/s².
         let (seen, _) = rig.driver.rested(Duration::from_millis(1500), clock).await.unwrap();
         let both = message::PLUS_SWITCH | message::MINUS_SWITCH;
         assert_eq!(seen.messages[0] & (both | message::HOMED), both, "{what:?}");
         let error = rig.driver.start([Some(Start::to(0)), None], clock).await;
-        let stands = seen.positions[0] == 0;
-        assert!(
-            stands || matches!(fault_of(&error), Some(Fault::AxisMessages { axis: 1, .. })),
-            "{what:?}"
-        );
-        rig.rewire(|surroundings| {
-            for contact in [&mut surroundings.benches[0].plus, &mut surroundings.benches[0].minus] {
-                *contact = contact.map(|contact| Contact { stuck: None, ..contact });
-            }
-        });
+        let told = matches!(fault_of(&error), Some(Fault::AxisMessages { axis: 1, .. }));
+        assert!(seen.positions[0] == 0 || told, "{what:?}");
+        stick(rig, None);
     })
     .await;
 }
@@ -288,8 +277,7 @@ async fn an_eeprom_that_fails_is_found_at_reset() {
             matches!(error.fault(), Some(Fault::CardMessages { messages: card::CHECKSUM, .. })),
             "{what:?}: {error}"
         );
-        let holding = Parameter::Axis(AxisParameter::HoldingCurrent, ModuleAxis::One);
-        rig.driver.set_parameter(holding, 500, clock).await.unwrap();
+        rig.set(AxisParameter::HoldingCurrent, 500).await;
         rig.driver.reset().await.unwrap();
     })
     .await;
@@ -304,8 +292,7 @@ async fn a_module_that_is_slow_to_reset_does_not_count_as_running_again() {
     rig.driver.reset().await.unwrap();
     assert_eq!(rig.module.module().starts(), starts + 1);
     rig.sound();
-    let (seen, _) = rig.driver.positions(&clock()).await.unwrap();
-    assert_eq!(seen.messages[0] & message::PHASES_OFF, message::PHASES_OFF);
+    assert_ne!(rig.seen().await.messages[0] & message::PHASES_OFF, 0);
 
     rig.always(Direction::Request, WireFault::Drop);
     let text = rig.driver.reset().await.unwrap_err().to_string();
@@ -338,9 +325,7 @@ async fn a_stop_outlasts_an_order_that_arrives_late() {
         for hard in [false, true] {
             let mut rig = doing(Doing::Idle).await;
             let clock = &clock();
-            let fault = WireFault::Delay { ns: 15_000_000 };
-            let rule = FaultRule { direction: Direction::Request, when: When::After(late), fault };
-            rig.module.module().control(Control::Fault(rule));
+            rig.spoil(Direction::Request, When::After(late), LATE);
             drop(rig.driver.start([Some(Start::to(50_000)), None], clock).await);
             if hard {
                 rig.driver.stop_hard(clock).await.unwrap();

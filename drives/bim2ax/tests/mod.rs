@@ -21,13 +21,14 @@ use std::time::Duration;
 use tokio::time::{Instant, sleep};
 
 use super::{
-    Bim2Ax, Bim2AxOptions, Contact, ModuleAxis, SharedModule,
+    Bim2Ax, Bim2AxOptions, Contact, ModuleAxis, SharedModule, Start,
     emulator::{Eeprom, Module, ModuleOptions, Surroundings},
 };
 use crate::protocol::{
     bits::coefficient,
     parameter::{AxisParameter, Parameter},
     vectors::{Log, Recorded},
+    zone::Positions,
 };
 
 pub(super) const BOTH: [ModuleAxis; 2] = ModuleAxis::ALL;
@@ -36,6 +37,13 @@ pub(super) const BOTH: [ModuleAxis; 2] = ModuleAxis::ALL;
 pub(super) fn clock() -> impl Fn() -> i64 + Send + Sync + Copy {
     let zero = Instant::now();
     move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
+}
+
+/// Writes bytes at offsets, in this order.
+pub(super) fn write(module: &mut Module, bytes: &[(u8, u8)]) {
+    for (offset, byte) in bytes {
+        module.bus_write(*offset, *byte);
+    }
 }
 
 /// Sets a parameter of an axis as if it had been stored before.
@@ -70,6 +78,10 @@ pub(super) fn surroundings() -> Surroundings {
     surroundings
 }
 
+pub(super) fn axis_1(parameter: AxisParameter) -> Parameter {
+    Parameter::Axis(parameter, ModuleAxis::One)
+}
+
 /// A module that runs, its driver, and the record of what passes between them.
 pub(super) struct Rig {
     pub(super) module: SharedModule,
@@ -94,20 +106,58 @@ impl Rig {
         Self { module, driver, log }
     }
 
+    /// A module with these options, all else as usual.
+    pub(super) async fn of(module: &ModuleOptions) -> Self {
+        Self::new(module, &Bim2AxOptions::default(), &eeprom(), &surroundings()).await
+    }
+
     /// With everything at its default and the switches above.
     pub(super) async fn usual() -> Self {
-        Self::new(&ModuleOptions::default(), &Bim2AxOptions::default(), &eeprom(), &surroundings())
-            .await
+        Self::of(&ModuleOptions::default()).await
+    }
+
+    /// Sends the axes to these targets.
+    pub(super) async fn start(&mut self, targets: [Option<i32>; 2]) {
+        self.driver.start(targets.map(|to| to.map(Start::to)), &clock()).await.unwrap();
+    }
+
+    /// The state once both axes rest, within 5 s.
+    pub(super) async fn rest(&mut self) -> Positions {
+        self.driver.rested(seconds(5), &clock()).await.unwrap().0
+    }
+
+    /// Sends the axes to these targets and waits until they rest.
+    pub(super) async fn go(&mut self, targets: [Option<i32>; 2]) -> Positions {
+        self.start(targets).await;
+        self.rest().await
+    }
+
+    pub(super) async fn seen(&mut self) -> Positions {
+        self.driver.positions(&clock()).await.unwrap().0
+    }
+
+    pub(super) async fn points(&mut self) -> Positions {
+        self.driver.encoder_points(&clock()).await.unwrap().0
+    }
+
+    pub(super) async fn steps(&mut self) -> Positions {
+        self.driver.encoder_steps(&clock()).await.unwrap().0
+    }
+
+    pub(super) async fn get(&mut self, parameter: Parameter) -> u32 {
+        self.driver.parameter(parameter, &clock()).await.unwrap()
+    }
+
+    /// Writes a parameter of axis 1.
+    pub(super) async fn set(&mut self, parameter: AxisParameter, value: u32) {
+        self.driver.set_parameter(axis_1(parameter), value, &clock()).await.unwrap();
     }
 
     /// Manual orders for both axes, as a host writes them into the zone "Ordre UC" (the driver gives none), and the time
     /// that the module needs for them.
     pub(super) async fn manual(&self, [one, two]: [u8; 2]) {
-        for (offset, byte) in
-            [(0xFD, 7), (0, 1), (2, 0), (3, one), (4, 0), (5, two), (1, 1), (0x7F, 1)]
-        {
-            self.module.module().bus_write(offset, byte);
-        }
+        let orders = [(0xFD, 7), (0, 1), (2, 0), (3, one), (4, 0), (5, two), (1, 1), (0x7F, 1)];
+        write(&mut self.module.module(), &orders);
         sleep(Duration::from_millis(1)).await;
     }
 

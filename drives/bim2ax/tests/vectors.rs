@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::*;
 use crate::{
-    Memory, Start,
+    Memory,
     protocol::{
         bits::message,
         vectors::{VECTORS, answer, play, vector},
@@ -175,11 +175,8 @@ impl Bench {
 
     /// Has it refreshed and reads a zone.
     fn fresh(&mut self, zone: ReadZone) -> Vec<u8> {
-        for (offset, byte) in
-            [(0xFD, 7), (0, 0xF0 | zone.number()), (1, 1), (0x70, 0), (0x71, 0), (0x7F, 1)]
-        {
-            self.module.bus_write(offset, byte);
-        }
+        let order = [(0xFD, 7), (0, 0xF0 | zone.number()), (1, 1), (0x70, 0), (0x71, 0), (0x7F, 1)];
+        write(&mut self.module, &order);
         self.wait_ms(1);
         self.zone(zone)
     }
@@ -215,10 +212,7 @@ fn the_module_answers_every_vector() {
         |bytes: &[u8], at: usize| i32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
 
     bench.play(&mut used, 1);
-    let mut number = [0];
-    bench.module.bus_write(0xFD, 6);
-    bench.read(0, &mut number).unwrap();
-    assert_eq!((number, bench.zone(acks)), ([1], vec![0; 12]));
+    assert_eq!((bench.zone(acks), bench.module.bus_read(0)), (vec![0; 12], 1));
 
     bench.play(&mut used, 2);
     used.answered(3, &bench.zone(ReadZone::Parameter));
@@ -298,12 +292,9 @@ fn the_module_answers_every_vector() {
     // Axis 2 goes to the 800 of vector 22, as an absolute position now.
     bench.wait_ms(300_000);
     assert_eq!(position(&bench.fresh(positions), 4), 800);
-    for (offset, byte) in
-        [(0xFD, 7), (0, 1), (3, 2), (2, 0), (5, 0), (8, 1), (9, 0), (1, 1), (0x7F, 1)]
-    {
-        // Ordre UC axis 1 = programmed, bloc = programmed speed.
-        bench.module.bus_write(offset, byte);
-    }
+    // Ordre UC axis 1 = programmed, bloc = programmed speed.
+    let order = [(0xFD, 7), (0, 1), (3, 2), (2, 0), (5, 0), (8, 1), (9, 0), (1, 1), (0x7F, 1)];
+    write(&mut bench.module, &order);
     bench.wait_ms(1);
     bench.wait_ms(4_194_303 / 2000 * 1000 + 20_000);
     assert_eq!(position(&bench.fresh(positions), 0), -4_194_303);
@@ -319,10 +310,9 @@ fn the_module_answers_every_vector() {
     bench.play(&mut used, 13);
     bench.play(&mut used, 25);
     bench.play(&mut used, 24);
-    let mut receipts = [0xFF];
     bench.module.bus_write(0xFD, 6);
-    bench.read(0x70, &mut receipts).unwrap();
-    assert_eq!((receipts, bench.messages()[2..].to_vec()), ([0], vec![0, 0x30]));
+    assert_eq!(bench.module.bus_read(0x70), 0);
+    assert_eq!(bench.messages()[2..], [0, 0x30]);
     bench.wait_ms(10_000);
     assert_eq!(position(&bench.fresh(positions), 4), 2000);
 

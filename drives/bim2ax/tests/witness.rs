@@ -8,7 +8,7 @@ use crate::Fault;
 use crate::tests::common::fault_of;
 use crate::tests::{common::wall_clock, peer::Peer};
 use crate::{
-    EncoderBench, EncoderKind, MemoryFile, Start,
+    EncoderBench, EncoderKind, MemoryFile,
     emulator::{EmulatedModule, EmulatorOptions, Event},
     protocol::bits::{card, encoder_message, message, uc},
 };

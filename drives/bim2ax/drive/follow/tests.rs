@@ -40,9 +40,13 @@ fn motion_of(position: [f64; 2], velocity: [f64; 2]) -> IncrementMotion {
     IncrementMotion { position: [x, y, 0.0, 0.0, 0.0], velocity: [u, v, 0.0, 0.0, 0.0] }
 }
 
+fn prediction() -> Bim2AxPrediction {
+    Bim2AxPrediction::new(&PredictionOptions::new(vec![settings(); 2]))
+}
+
 /// Largest error of an axis over a span of the prediction, µsteps, and the prediction.
 fn largest(plan: &dyn SetpointStream, from_ms: i64, to_ms: i64) -> ([f64; 2], Bim2AxPrediction) {
-    let mut prediction = Bim2AxPrediction::new(&PredictionOptions::new(vec![settings(); 2]));
+    let mut prediction = prediction();
     let mut worst = [0.0_f64; 2];
     for time_ms in 0..=to_ms {
         let found = prediction.advance(plan, time_ms * MS).position;
@@ -72,16 +76,12 @@ fn speeds_are_those_whose_trapezoid_takes_the_time() {
     let axis = settings();
     for (distance, duration) in [(100.0, 0.2), (-3000.0, 0.5), (9000.0, 1.0), (1.0, 0.3)] {
         let speed = speed_for(&axis, distance, duration);
-        let took = motion(&axis, 0, 0, saturated_i32(distance), speed).end_ns();
+        let took = motion(&axis, 0, 0, whole(distance).try_into().unwrap(), speed).end_ns();
         // A whole unit of speed more or less makes this much of a difference.
         let grain = duration / f64::from(speed);
         assert!((seconds(took) - duration).abs() <= grain, "{distance} in {duration}: {took}");
     }
     assert_eq!(speed_for(&axis, 10_000.0, 0.01), 20_000, "impossible: as fast as it goes");
-}
-
-fn saturated_i32(value: f64) -> i32 {
-    i32::try_from(whole(value)).unwrap()
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn expectation_and_prediction_agree() {
     // The mean square over the whole motion, sampled, is what the follower expected of its legs: they are moved by
     // the same profiles. The time before the first leg (latency) and rounding of sampling differ.
     let plan = Plan(line([1500.0, -400.0]));
-    let mut prediction = Bim2AxPrediction::new(&PredictionOptions::new(vec![settings(); 2]));
+    let mut prediction = prediction();
     let mut square = 0.0;
     let mut count = 0.0;
     for step in 0..40_000 {
@@ -181,8 +181,8 @@ fn expectation_and_prediction_agree() {
 #[test]
 fn the_same_plan_gives_the_same_motion_however_often_it_is_asked() {
     let plan = Plan(line([3000.0, 2000.0]));
-    let mut once = Bim2AxPrediction::new(&PredictionOptions::new(vec![settings(); 2]));
-    let mut often = Bim2AxPrediction::new(&PredictionOptions::new(vec![settings(); 2]));
+    let mut once = prediction();
+    let mut often = prediction();
     once.advance(&plan, 0);
     for time_ms in 0..=1500 {
         often.advance(&plan, time_ms * MS);

@@ -1,6 +1,6 @@
 //! Memories, pages and byte orders.
 
-use std::{fs, io::ErrorKind};
+use std::{fs, io::ErrorKind, path::PathBuf};
 
 use super::*;
 use crate::{
@@ -17,14 +17,20 @@ fn module() -> SharedModule {
     SharedModule::new(Module::new(&options, &Eeprom::new(2000), &Surroundings::default()), || 0)
 }
 
-#[test]
-fn a_mapped_file_is_read_and_written_byte_by_byte_at_its_offset() {
+/// A file in a folder that lives as long as it.
+fn file(bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bus");
+    fs::write(&path, bytes).unwrap();
+    (folder, path)
+}
+
+#[test]
+fn a_mapped_file_is_read_and_written_byte_by_byte_at_its_offset() {
     // The module's base is neither at the begin of the file nor at that of a page.
     let mut image = vec![0xAA; 0x3000];
     image[0x1200 + 0xFF] = BIM2AX_BOCM;
-    fs::write(&path, &image).unwrap();
+    let (_folder, path) = file(&image);
     let mut memory = MappedMemory::open(&path, 0x1200).unwrap();
     let mut identifier = [0];
     memory.read(IDENTIFIER, &mut identifier).unwrap();
@@ -42,18 +48,14 @@ fn a_mapped_file_is_read_and_written_byte_by_byte_at_its_offset() {
 
 #[test]
 fn a_module_that_does_not_fit_into_its_file_is_not_mapped() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("bus");
-    fs::write(&path, [0; 0x1FF]).unwrap();
+    let (folder, path) = file(&[0; 0x1FF]);
     assert!(MappedMemory::open(&path, 0xFF).is_ok());
     for start in [0x100, 0x5000, u64::MAX] {
         let error = MappedMemory::open(&path, start).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::UnexpectedEof, "{start:X}");
     }
-    assert_eq!(
-        MappedMemory::open(&folder.path().join("none"), 0).unwrap_err().kind(),
-        ErrorKind::NotFound
-    );
+    let error = MappedMemory::open(&folder.path().join("none"), 0).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::NotFound);
 }
 
 #[test]
@@ -85,12 +87,10 @@ fn eight_pages_lie_behind_the_window_and_the_page_reads_back_as_status() {
 
 #[test]
 fn a_memory_file_has_all_pages_and_counts_interrupts() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("module");
     let mut image = [0; twin_drives::port::FILE_LENGTH];
     image[file_offset::STATUS] = 1;
     image[file_offset::IDENTIFIER] = BIM2AX_BOCM;
-    fs::write(&path, image).unwrap();
+    let (_folder, path) = file(&image);
     let mut memory = MemoryFile::open(&path).unwrap();
     let mut bytes = [0, 0];
     memory.read(PAGE_REGISTER, &mut bytes[..1]).unwrap();
@@ -128,22 +128,16 @@ fn zones_in_both_byte_orders_at_the_offsets_of_the_manual() {
     let big = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
     let little = [2, 1, 4, 3, 8, 7, 6, 5, 12, 11, 10, 9];
     let target = Target { position: -4_194_303, speed: 0x1234 };
-    let parameter = ParameterExchange {
-        order: 0x0102,
-        number: 0x0304,
-        value: 0x0506_0708,
-        messages: 0x090A_0B0C,
-    };
+    let (value, messages) = (0x0506_0708, 0x090A_0B0C);
+    let parameter = ParameterExchange { order: 0x0102, number: 0x0304, value, messages };
     for (order, bytes) in [(ByteOrder::Big, big), (ByteOrder::Little, little)] {
         assert_eq!((orders.encode(order), Orders::decode(&bytes, order)), (bytes, orders));
         let encoded = parameter.encode(order);
         assert_eq!((encoded, ParameterExchange::decode(&bytes, order)), (bytes, parameter));
         assert_eq!(Target::decode(&target.encode(order), order), target);
     }
-    assert_eq!(
-        target.encode(ByteOrder::Little),
-        [0x01, 0x00, 0xC0, 0xFF, 0x34, 0x12, 0, 0, 0, 0, 0, 0]
-    );
+    let bytes = [0x01, 0x00, 0xC0, 0xFF, 0x34, 0x12, 0, 0, 0, 0, 0, 0];
+    assert_eq!(target.encode(ByteOrder::Little), bytes);
     let positions = Positions { positions: [-1, 0x0102_0304], messages: [0x2010, 0x4080] };
     let bytes = [0xFF, 0xFF, 0xFF, 0xFF, 1, 2, 3, 4, 0x20, 0x10, 0x40, 0x80];
     assert_eq!(positions.encode(ByteOrder::Big), bytes);
@@ -151,10 +145,8 @@ fn zones_in_both_byte_orders_at_the_offsets_of_the_manual() {
     // Plug 2 at $42, four bytes after plug 1 at $3E.
     let plugs = Plugs { values: [None, Some(7)] };
     let bytes = [0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 7, 0, 0, 0, 0];
-    assert_eq!(
-        (plugs.encode(ByteOrder::Big), Plugs::decode(&bytes, ByteOrder::Big)),
-        (bytes, plugs)
-    );
+    assert_eq!(plugs.encode(ByteOrder::Big), bytes);
+    assert_eq!(Plugs::decode(&bytes, ByteOrder::Big), plugs);
 
     let read: Vec<u8> = ReadZone::ALL.iter().map(|zone| zone.offset()).collect();
     assert_eq!(read, [0x02, 0x0E, 0x1A, 0x26, 0x32, 0x3E]);

@@ -7,94 +7,41 @@ use crate::{
     protocol::bits::{definition, message},
 };
 
-/// Homes and gives where the shaft is at the end and how long it took, s.
-fn home(settings: &AxisSettings, bench: &Bench) -> (i64, f64) {
-    let mut axis = axis(settings, bench);
-    axis.order(&simple(uc::HOME));
-    assert_eq!(axis.ack_uc(), uc::HOME);
-    assert_eq!(axis.messages() & (message::HOMED | message::MOVING), message::MOVING);
-    let duration = finish(&mut axis);
-    assert_eq!((axis.counter(), axis.ack_uc()), (0, 0));
-    assert_eq!(axis.messages() & (message::HOMED | message::MOVING), message::HOMED);
-    (axis.shaft(), duration)
-}
-
+/// Ends if the edge of the cam counts as taken, and if homing that begins on the cam crosses it; the time, s.
 #[test]
-fn off_the_cam_it_runs_to_the_edge_and_on_by_the_stop_distance() {
-    let cam = Some(Contact::between(-900, -400, true));
-    let bench = Bench { cam, ..Bench::default() };
-    let settings = AxisSettings { origin_stop: 150, ..settings() };
-    let settings = AxisSettings {
-        coefficient: settings.coefficient | coefficient::IGNORE_SWITCHES,
-        ..settings
-    };
-    let (shaft, duration) = home(&settings, &bench);
-    assert_eq!(shaft, -550);
-    // At 1000 µsteps/s: −399.5, where the counter changes to −400, and 150 more from there.
-    close(duration, 0.3995 + 0.150, 2e-9);
-    // Towards + there is another cam.
-    let plus =
-        AxisSettings { coefficient: settings.coefficient | coefficient::HOME_PLUS, ..settings };
-    let cam = Some(Contact::between(400, 900, true));
-    assert_eq!(home(&plus, &Bench { cam, ..bench }).0, 550);
-}
-
-#[test]
-fn on_the_cam_it_backs_out_clears_by_the_hysteresis_and_comes_back() {
-    let cam = Some(Contact::between(-300, 200, true));
-    let bench = Bench { cam, ..Bench::default() };
-    let settings = AxisSettings { origin_stop: 20, hysteresis: 50, ..settings() };
-    let settings = AxisSettings {
-        coefficient: settings.coefficient | coefficient::IGNORE_SWITCHES,
-        ..settings
-    };
-    let (shaft, duration) = home(&settings, &bench);
-    assert_eq!(shaft, 180);
+fn homing_ends_where_cam_and_parameters_say() {
+    use coefficient::{CAM_CLOSES, HOME_PLUS, REVERSE, STAY_ON_CAM};
     // Out at 200.5 (counter 201), on by 50 to 251, back to 200.5 (counter 200), on by 20 to 180.
-    close(duration, 0.2005 + 0.050 + 0.0505 + 0.020, 5e-9);
-}
-
-#[test]
-fn without_clearing_the_edge_counts_as_taken() {
-    let cam = Some(Contact::between(-300, 200, true));
-    let coefficient =
-        settings().coefficient | coefficient::STAY_ON_CAM | coefficient::IGNORE_SWITCHES;
-    let settings = AxisSettings { coefficient, origin_stop: 20, hysteresis: 50, ..settings() };
-    assert_eq!(home(&settings, &Bench { cam, ..Bench::default() }).0, -20);
-}
-
-#[test]
-fn a_cam_that_is_not_cleared_may_be_crossed() {
-    let cam = Some(Contact::between(-100, 300, true));
-    let coefficient =
-        settings().coefficient | coefficient::STAY_ON_CAM | coefficient::IGNORE_SWITCHES;
-    let settings = AxisSettings { coefficient, origin_stop: 20, ..settings() };
-    for (cam_start, end) in [(CamStart::EdgeTaken, -20), (CamStart::FarEdge, -121)] {
-        let mut axis = axis(&settings, &Bench { cam, ..Bench::default() });
-        axis.set_assumptions(Assumptions { cam_start, ..Assumptions::default() });
-        axis.order(&simple(uc::HOME));
-        finish(&mut axis);
-        assert_eq!((axis.shaft(), axis.counter()), (end, 0), "{cam_start:?}");
-        assert_ne!(axis.messages() & message::HOMED, 0);
+    let back = 0.2005 + 0.050 + 0.0505 + 0.020;
+    for (about, changed, [stop, hysteresis], [low, high], ends, duration) in [
+        // At 1000 µsteps/s: −399.5, where the counter changes to −400, and 150 more from there.
+        ("to the edge and on", 0, [150, 0], [-900, -400], [-550; 2], Some([0.3995 + 0.150, 2e-9])),
+        ("towards +", HOME_PLUS, [150, 0], [400, 900], [550; 2], None),
+        ("out and back", 0, [20, 50], [-300, 200], [180; 2], Some([back, 5e-9])),
+        ("without clearing", STAY_ON_CAM, [20, 50], [-300, 200], [-20, -321], None),
+        ("the same on another cam", STAY_ON_CAM, [20, 0], [-100, 300], [-20, -121], None),
+        ("a cam that opens", CAM_CLOSES, [0, 0], [-900, -400], [-400; 2], None),
+        ("a motor that turns the other way", REVERSE, [0, 0], [400, 900], [400; 2], None),
+    ] {
+        for (cam_start, end) in [CamStart::EdgeTaken, CamStart::FarEdge].into_iter().zip(ends) {
+            let coefficient = with(coefficient::IGNORE_SWITCHES).coefficient ^ changed;
+            let settings =
+                AxisSettings { coefficient, origin_stop: stop, hysteresis, ..settings() };
+            let cam = Some(Contact::between(low, high, changed & CAM_CLOSES == 0));
+            let mut axis = axis(&settings, &Bench { cam, ..Bench::default() });
+            axis.set_assumptions(Assumptions { cam_start, ..Assumptions::default() });
+            axis.order(&simple(uc::HOME));
+            assert_eq!(axis.ack_uc(), uc::HOME, "{about}");
+            let homing = message::HOMED | message::MOVING;
+            assert_eq!(axis.messages() & homing, message::MOVING, "{about}");
+            let took = finish(&mut axis);
+            assert_eq!((axis.shaft(), axis.counter(), axis.ack_uc()), (end, 0, 0), "{about}");
+            assert_eq!(axis.messages() & homing, message::HOMED, "{about}");
+            if let Some([expected, tolerance]) = duration {
+                close(took, expected, tolerance);
+            }
+        }
     }
-}
-
-#[test]
-fn a_cam_that_opens_is_read_by_bit_7() {
-    // The same place, by a contact that opens.
-    let cam = Some(Contact::between(-900, -400, false));
-    let coefficient =
-        (settings().coefficient | coefficient::IGNORE_SWITCHES) & !coefficient::CAM_CLOSES;
-    let settings = AxisSettings { coefficient, ..settings() };
-    assert_eq!(home(&settings, &Bench { cam, ..Bench::default() }).0, -400);
-}
-
-#[test]
-fn a_motor_that_turns_the_other_way_round_finds_the_cam_on_the_other_side() {
-    let cam = Some(Contact::between(400, 900, true));
-    let coefficient = settings().coefficient | coefficient::IGNORE_SWITCHES | coefficient::REVERSE;
-    let settings = AxisSettings { coefficient, ..settings() };
-    assert_eq!(home(&settings, &Bench { cam, ..Bench::default() }).0, 400);
 }
 
 #[test]
@@ -110,9 +57,7 @@ fn an_end_switch_ends_homing_without_success() {
 
 #[test]
 fn homing_on_the_index_of_an_incremental_encoder() {
-    let coefficient =
-        settings().coefficient | coefficient::IGNORE_SWITCHES | coefficient::HOME_PLUS;
-    let settings = AxisSettings { coefficient, ..settings() };
+    let settings = with(coefficient::IGNORE_SWITCHES | coefficient::HOME_PLUS);
     let mut axis = Axis::power_up(0, &settings, &Bench::default(), 70, 0, 0);
     let bench = EncoderBench::default();
     let bits = definition::PRESENT | definition::HOME_ON_INDEX;
@@ -128,8 +73,7 @@ fn homing_on_the_index_of_an_incremental_encoder() {
 fn homing_is_lost_while_it_runs_and_by_a_hard_stop() {
     let cam = Some(Contact::between(-900, -400, true));
     let bench = Bench { cam, ..Bench::default() };
-    let coefficient = settings().coefficient | coefficient::IGNORE_SWITCHES;
-    let mut axis = axis(&AxisSettings { coefficient, ..settings() }, &bench);
+    let mut axis = axis(&with(coefficient::IGNORE_SWITCHES), &bench);
     axis.order(&programmed(crate::protocol::bits::bloc::ZERO, 0, 0));
     assert_eq!(axis.messages(), message::HOMED | message::PHASES_OFF);
     axis.order(&simple(uc::HOME));

@@ -31,8 +31,7 @@ fn a_switch_brakes_with_the_ramp_and_forbids_its_direction() {
 
 #[test]
 fn a_brutal_stop_stands_on_the_switch_and_loses_homing() {
-    let coefficient = settings().coefficient | coefficient::BRUTAL_STOP;
-    let mut axis = axis(&AxisSettings { coefficient, ..settings() }, &switches());
+    let mut axis = axis(&with(coefficient::BRUTAL_STOP), &switches());
     axis.order(&programmed(bloc::ZERO, 0, 0));
     axis.order(&programmed(0, -20_000, 0));
     finish(&mut axis);
@@ -43,16 +42,23 @@ fn a_brutal_stop_stands_on_the_switch_and_loses_homing() {
 #[test]
 fn a_move_to_the_switch_ends_on_it_ignores_limits_and_keeps_homing() {
     for brutal in [0, coefficient::BRUTAL_STOP] {
-        let coefficient = settings().coefficient | brutal | coefficient::HOMING_MANDATORY;
-        let settings = AxisSettings { coefficient, soft_plus: 1000, ..settings() };
-        let mut axis = axis(&settings, &switches());
-        axis.order(&programmed(bloc::ZERO, 0, 0));
-        axis.order(&simple(uc::TO_PLUS_SWITCH));
-        assert_eq!(axis.ack_uc(), uc::TO_PLUS_SWITCH);
-        close(finish(&mut axis), 2.9995, 2e-9);
-        let hard = if brutal == 0 { 0 } else { message::HARD_STOPPED };
-        let ended = message::PLUS_SWITCH | message::PLUS_LIMIT | message::HOMED | hard;
-        assert_eq!((axis.counter(), axis.messages(), axis.ack_uc()), (3000, ended, 0));
+        let settings = with(brutal | coefficient::HOMING_MANDATORY);
+        let settings = AxisSettings { soft_plus: 1000, soft_minus: -1000, ..settings };
+        for (order, end, told) in [
+            (uc::TO_PLUS_SWITCH, 3000, message::PLUS_SWITCH | message::PLUS_LIMIT),
+            (uc::TO_MINUS_SWITCH, -3000, message::MINUS_SWITCH | message::MINUS_LIMIT),
+        ] {
+            let mut axis = axis(&settings, &switches());
+            axis.order(&programmed(bloc::ZERO, 0, 0));
+            axis.order(&simple(order));
+            assert_eq!(axis.ack_uc(), order);
+            close(finish(&mut axis), 2.9995, 2e-9);
+            let hard = if brutal == 0 { 0 } else { message::HARD_STOPPED };
+            let ended = told | message::HOMED | hard;
+            assert_eq!((axis.counter(), axis.messages(), axis.ack_uc()), (end, ended, 0));
+            axis.order(&simple(order));
+            assert!(!axis.moving(), "it is there");
+        }
     }
 }
 
@@ -63,8 +69,7 @@ fn swapped_and_reversed_switches_are_the_other_ones() {
         (coefficient::REVERSE, false),
         (coefficient::SWAP_SWITCHES | coefficient::REVERSE, true),
     ] {
-        let coefficient = settings().coefficient | bits;
-        let mut axis = axis(&AxisSettings { coefficient, ..settings() }, &switches());
+        let mut axis = axis(&with(bits), &switches());
         axis.order(&simple(uc::TO_PLUS_SWITCH));
         axis.advance(3100 * MS);
         // The switch that is met first counts only if it is the one of the direction.
@@ -81,13 +86,12 @@ fn swapped_and_reversed_switches_are_the_other_ones() {
 #[test]
 fn inputs_that_are_not_wired_are_open() {
     // Opening contacts: an open input is an actuated switch.
-    let coefficient = settings().coefficient & !coefficient::SWITCHES_CLOSE;
-    let opening = AxisSettings { coefficient, ..settings() };
+    let opening = without(coefficient::SWITCHES_CLOSE);
     let mut axis = axis(&opening, &Bench::default());
     assert_eq!(axis.messages(), message::PLUS_SWITCH | message::MINUS_SWITCH | message::PHASES_OFF);
     axis.order(&programmed(0, 100, 0));
     assert!(!axis.moving());
-    let coefficient = coefficient | coefficient::IGNORE_SWITCHES;
+    let coefficient = opening.coefficient | coefficient::IGNORE_SWITCHES;
     axis.set_settings(&AxisSettings { coefficient, ..opening });
     axis.order(&programmed(0, 100, 0));
     assert!(axis.moving());
@@ -111,13 +115,19 @@ fn soft_limits_brake_after_homing_only() {
     assert_eq!((axis.counter(), axis.messages()), (-10, message::HOMED | message::MINUS_LIMIT));
 }
 
-#[test]
-fn abandoning_keeps_the_ramp_and_homing() {
-    let mut axis = axis(&settings(), &Bench::default());
+/// An axis that is homed and at full speed since 0.45 s: at 2475 + 5500.
+fn at_full_speed() -> Axis {
+    let mut axis = usual();
     axis.order(&programmed(bloc::ZERO, 0, 0));
     axis.order(&programmed(0, 20_000, 0));
     axis.advance(1000 * MS);
-    // At full speed since 0.45 s: 2475 + 5500; the ramp adds 2475.
+    axis
+}
+
+#[test]
+fn abandoning_keeps_the_ramp_and_homing() {
+    let mut axis = at_full_speed();
+    // The ramp adds 2475.
     axis.order(&simple(uc::ABANDON));
     assert_eq!(axis.ack_uc(), uc::ABANDON);
     close(finish(&mut axis), 0.45, 2e-9);
@@ -127,10 +137,7 @@ fn abandoning_keeps_the_ramp_and_homing() {
 
 #[test]
 fn a_hard_stop_has_no_ramp_and_the_next_move_clears_it() {
-    let mut axis = axis(&settings(), &Bench::default());
-    axis.order(&programmed(bloc::ZERO, 0, 0));
-    axis.order(&programmed(0, 20_000, 0));
-    axis.advance(1000 * MS);
+    let mut axis = at_full_speed();
     axis.order(&simple(uc::HARD_STOP));
     assert_eq!((axis.counter(), axis.state().velocity.to_bits()), (7975, 0));
     assert_eq!((axis.ack_uc(), axis.messages()), (uc::HARD_STOP, message::HARD_STOPPED));
@@ -140,10 +147,7 @@ fn a_hard_stop_has_no_ramp_and_the_next_move_clears_it() {
 
 #[test]
 fn power_lost_in_motion_is_a_hard_stop() {
-    let mut axis = axis(&settings(), &Bench::default());
-    axis.order(&programmed(bloc::ZERO, 0, 0));
-    axis.order(&programmed(0, 20_000, 0));
-    axis.advance(1000 * MS);
+    let mut axis = at_full_speed();
     axis.set_bench(&Bench { power: false, ..Bench::default() });
     assert_eq!((axis.counter(), axis.ack_uc()), (7975, uc::HARD_STOP));
     assert_eq!(axis.messages(), message::HARD_STOPPED | message::POWER_ABSENT);
@@ -153,10 +157,8 @@ fn power_lost_in_motion_is_a_hard_stop() {
 
 #[test]
 fn phase_faults_are_found_by_tests_and_cleared_by_ordered_ones() {
-    let coefficient = settings().coefficient & !coefficient::NO_MOTOR_TEST;
-    let settings = AxisSettings { coefficient, ..settings() };
     let broken = Bench { phase_open: true, ..Bench::default() };
-    let mut axis = axis(&settings, &broken);
+    let mut axis = axis(&without(coefficient::NO_MOTOR_TEST), &broken);
     axis.order(&programmed(0, 100, 0));
     assert!(!axis.moving());
     assert_eq!(axis.messages() & message::PHASE_OPEN, message::PHASE_OPEN);
@@ -173,15 +175,4 @@ fn phase_faults_are_found_by_tests_and_cleared_by_ordered_ones() {
     axis.set_bench(&broken);
     finish(&mut axis);
     assert_eq!((axis.counter(), axis.messages()), (100, message::PHASE_OPEN));
-}
-
-#[test]
-fn a_move_to_the_other_switch_is_the_mirror_image() {
-    let mut axis = axis(&settings(), &switches());
-    axis.order(&simple(uc::TO_MINUS_SWITCH));
-    assert_eq!(axis.ack_uc(), uc::TO_MINUS_SWITCH);
-    close(finish(&mut axis), 2.9995, 2e-9);
-    assert_eq!((axis.counter(), axis.messages(), axis.ack_uc()), (-3000, message::MINUS_SWITCH, 0));
-    axis.order(&simple(uc::TO_MINUS_SWITCH));
-    assert!(!axis.moving(), "it is there");
 }

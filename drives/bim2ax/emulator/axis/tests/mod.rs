@@ -28,9 +28,24 @@ pub(super) fn settings() -> AxisSettings {
     }
 }
 
+/// The same with more bits in the coefficient.
+pub(super) fn with(bits: u16) -> AxisSettings {
+    AxisSettings { coefficient: settings().coefficient | bits, ..settings() }
+}
+
+/// The same with bits of the coefficient cleared.
+pub(super) fn without(bits: u16) -> AxisSettings {
+    AxisSettings { coefficient: settings().coefficient & !bits, ..settings() }
+}
+
 /// An axis at time 0 whose counter and shaft are at 0.
 pub(super) fn axis(settings: &AxisSettings, bench: &Bench) -> Axis {
     Axis::power_up(0, settings, bench, 0, 0, 0)
+}
+
+/// An axis with the usual settings and nothing on its inputs.
+pub(super) fn usual() -> Axis {
+    axis(&settings(), &Bench::default())
 }
 
 /// The order `uc` alone.

@@ -10,11 +10,8 @@ fn trapezoid(way: f64, speed: f64, start_stop: f64, rate: f64) -> f64 {
 
 #[test]
 fn an_absolute_move_at_the_fast_speed_has_the_duration_of_its_trapezoid() {
-    let mut axis = axis(&settings(), &Bench::default());
-    axis.set_settings(&AxisSettings {
-        coefficient: settings().coefficient | coefficient::IGNORE_SWITCHES,
-        ..settings()
-    });
+    let mut axis = usual();
+    axis.set_settings(&with(coefficient::IGNORE_SWITCHES));
     axis.order(&programmed(0, 20_000, 3));
     assert_eq!((axis.ack_uc(), axis.messages()), (uc::PROGRAMMED, message::MOVING));
     // 2 s at 10000 µsteps/s and 0.405 s for the ramps.
@@ -25,7 +22,7 @@ fn an_absolute_move_at_the_fast_speed_has_the_duration_of_its_trapezoid() {
 
 #[test]
 fn the_ramp_goes_from_the_start_stop_speed() {
-    let mut axis = axis(&settings(), &Bench::default());
+    let mut axis = usual();
     axis.order(&programmed(0, -20_000, 0));
     for (time_ns, position, velocity) in [
         (1, 0.0, -1000.0),
@@ -42,7 +39,7 @@ fn the_ramp_goes_from_the_start_stop_speed() {
 
 #[test]
 fn a_way_too_short_for_the_speed_is_a_triangle() {
-    let mut axis = axis(&settings(), &Bench::default());
+    let mut axis = usual();
     axis.order(&programmed(0, 750, 0));
     // Peak² = 1000² + 20000 · 750 = 4000²; up and down 0.15 s each.
     close(finish(&mut axis), 0.3, 2e-9);
@@ -52,7 +49,7 @@ fn a_way_too_short_for_the_speed_is_a_triangle() {
 fn a_relative_move_at_a_programmed_speed() {
     // 6.4.1: 400 relative from 1000 at 200 ends at $578; the bit of the legacy acceleration changes nothing.
     for legacy in [0, 0x200] {
-        let mut axis = axis(&settings(), &Bench::default());
+        let mut axis = usual();
         axis.order(&programmed(0, 1000, 0));
         finish(&mut axis);
         axis.order(&programmed(bloc::RELATIVE | bloc::PROGRAMMED_SPEED | legacy, 400, 200));
@@ -96,28 +93,33 @@ fn reference_positions_are_absolute_and_acknowledged_at_the_end() {
     }
 }
 
+/// Start is 0; the lowest and the highest place on the way.
 #[test]
 fn moves_against_the_approach_overshoot_and_return() {
-    let coefficient = settings().coefficient | coefficient::APPROACH | coefficient::APPROACH_PLUS;
-    let settings = AxisSettings { coefficient, approach: 64, ..settings() };
-    let reached = |order: &AxisOrder| {
+    let plus = coefficient::APPROACH_PLUS;
+    for (sense, bloc, target, lowest, highest) in [
+        (plus, 0, 500, 0, 500),
+        (plus, 0, -500, -564, 0),
+        (plus, bloc::WITHOUT_APPROACH, -500, -500, 0),
+        (0, 0, 500, 0, 564),
+        (0, 0, -500, -500, 0),
+    ] {
+        let settings = AxisSettings { approach: 64, ..with(coefficient::APPROACH | sense) };
         let mut axis = axis(&settings, &Bench::default());
-        axis.order(order);
-        let mut lowest = 0;
+        axis.order(&programmed(bloc, target, 0));
+        let (mut low, mut high) = (0, 0);
         while axis.moving() {
             axis.advance(axis.now_ns() + MS);
-            lowest = lowest.min(axis.counter());
+            (low, high) = (low.min(axis.counter()), high.max(axis.counter()));
         }
-        (lowest, axis.counter())
-    };
-    assert_eq!(reached(&programmed(0, 500, 0)), (0, 500));
-    assert_eq!(reached(&programmed(0, -500, 0)), (-564, -500));
-    assert_eq!(reached(&programmed(bloc::WITHOUT_APPROACH, -500, 0)), (-500, -500));
+        let found = (axis.counter(), low, high);
+        assert_eq!(found, (target, lowest, highest), "{sense:04X} {bloc:X}");
+    }
 }
 
 #[test]
 fn zero_and_force_declare_the_position_without_motion() {
-    let mut axis = axis(&settings(), &Bench::default());
+    let mut axis = usual();
     axis.order(&programmed(0, 2000, 0));
     finish(&mut axis);
     axis.order(&programmed(bloc::ZERO, 0, 0));
@@ -135,7 +137,7 @@ fn zero_and_force_declare_the_position_without_motion() {
 
 #[test]
 fn when_time_is_looked_at_does_not_matter() {
-    let mut once = axis(&settings(), &Bench::default());
+    let mut once = usual();
     once.order(&programmed(0, 5000, 4321));
     let mut often = once;
     for _ in 0..1000 {
@@ -143,20 +145,4 @@ fn when_time_is_looked_at_does_not_matter() {
     }
     once.advance(often.now_ns());
     assert_eq!(once.state(), often.state());
-}
-
-#[test]
-fn an_approach_towards_minus_overshoots_the_other_way() {
-    let coefficient = settings().coefficient | coefficient::APPROACH;
-    let settings = AxisSettings { coefficient, approach: 64, ..settings() };
-    for (target, farthest) in [(500, 564), (-500, 0)] {
-        let mut axis = axis(&settings, &Bench::default());
-        axis.order(&programmed(0, target, 0));
-        let mut highest = 0;
-        while axis.moving() {
-            axis.advance(axis.now_ns() + MS);
-            highest = highest.max(axis.counter());
-        }
-        assert_eq!((axis.counter(), highest), (target, farthest));
-    }
 }
