@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::decode::{Rule, TextError};
+use crate::refeed::tests::Unplugged;
 use std::io::{BufReader, Read};
 use twin_path::ElementKind::{Cut, Jump, Rapid};
 use twin_path::Place;
@@ -239,24 +240,10 @@ fn empty_programs() {
     }
 }
 
-/// Ends with an error, after some bytes.
-struct Failing<'a>(&'a [u8]);
-
-impl Read for Failing<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        match self.0.read(buffer)? {
-            0 => Err(std::io::Error::other("unplugged")),
-            count => Ok(count),
-        }
-    }
-}
-
 #[test]
 fn reading_errors_end_it() {
-    let mut decoder = Decoder::new(
-        BufReader::new(Failing(b"%\nN1 G1 X1 F1\nN2 G1 X2")),
-        DecoderOptions::default(),
-    );
+    let reader = BufReader::new(b"%\nN1 G1 X1 F1\nN2 G1 X2".as_slice().chain(Unplugged));
+    let mut decoder = Decoder::new(reader, DecoderOptions::default());
     assert!(matches!(decoder.next(), Some(Ok(Item::Element(_)))));
     let Some(Err(Failure::Io(error))) = decoder.next() else { panic!("no error") };
     assert_eq!(error.to_string(), "unplugged");

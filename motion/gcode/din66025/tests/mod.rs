@@ -50,17 +50,15 @@ fn decode(blocks: &str) -> Decoded {
     decode_from([0.0; 3], format!("%\n{blocks}").as_bytes())
 }
 
+/// The elements of a program of which nothing is wrong.
+#[track_caller]
 fn elements_of(decoded: Decoded) -> Vec<PathElement> {
-    decoded
-        .into_iter()
-        .map(|item| match item {
-            Ok(Item::Element(element)) => element,
-            other => panic!("not an element: {other:?}"),
-        })
-        .collect()
+    assert_eq!(diagnostics(&decoded), []);
+    remaining(&decoded)
 }
 
-/// The elements of a program of which nothing is wrong; the `%` line is added.
+/// The same; the `%` line is added.
+#[track_caller]
 fn elements(blocks: &str) -> Vec<PathElement> {
     elements_of(decode(blocks))
 }

@@ -25,22 +25,26 @@ fn assert_warnings(block: &str, expected: &[(&str, DecodeError)], arc: bool) {
 }
 
 #[test]
-fn radius_too_small() {
+fn parameters_of_arcs() {
+    use DecodeError as E;
     // A chord of 30, 40: 50 long.
-    let error = DecodeError::RadiusTooSmall { radius_mm: 24.9, half_chord_mm: 25.0 };
-    assert_eq!(error.rule(), Rule::ArcGeometry);
-    assert_warnings("N20 G2 X40 Y40 R24.9 F5", &[("R24.9", error)], false);
-    let zero = DecodeError::RadiusTooSmall { radius_mm: 0.0, half_chord_mm: 25.0 };
-    assert_warnings("N20 G3 X40 Y40 R0", &[("R0", zero)], false);
+    let small = |radius_mm| E::RadiusTooSmall { radius_mm, half_chord_mm: 25.0 };
+    let chordless = E::RadiusWithoutChord { radius_mm: 25.0 };
+    for (block, pointed, error, arc) in [
+        ("N20 G2 X40 Y40 R24.9 F5", "R24.9", small(24.9), false),
+        ("N20 G3 X40 Y40 R0", "R0", small(0.0), false),
+        ("N20 G2 X10 R25", "R25", chordless.clone(), false),
+        ("N20 G2 Z-5 R25", "R25", chordless, false),
+        ("N20 G3 X10 I0 J0", "I0 J0", E::CenterAtStart, false),
+        ("N20 G2 X40 R-20", "R-20", E::NegativeRadius { radius_mm: -20.0 }, true),
+    ] {
+        assert_eq!(error.rule(), Rule::ArcGeometry);
+        assert_warnings(block, &[(pointed, error)], arc);
+    }
     assert_warnings("N20 G2 X40 Y40 R24.996", &[], true);
-}
-
-#[test]
-fn radius_without_chord() {
-    let error = DecodeError::RadiusWithoutChord { radius_mm: 25.0 };
-    assert_eq!(error.rule(), Rule::ArcGeometry);
-    assert_warnings("N20 G2 X10 R25", &[("R25", error.clone())], false);
-    assert_warnings("N20 G2 Z-5 R25", &[("R25", error)], false);
+    // The sign of R does not ask for the larger arc.
+    let (negative, positive) = (decode("G2 X30 R-20 F5"), decode("G2 X30 R20 F5"));
+    assert_eq!(remaining(&negative), remaining(&positive));
 }
 
 #[test]
@@ -71,27 +75,18 @@ fn center_mismatch() {
 }
 
 #[test]
-fn center_at_the_start() {
-    assert_eq!(DecodeError::CenterAtStart.rule(), Rule::ArcGeometry);
-    assert_warnings("N20 G3 X10 I0 J0", &[("I0 J0", DecodeError::CenterAtStart)], false);
-}
-
-/// The sign of R does not ask for the larger arc.
-#[test]
-fn negative_radius() {
-    let error = DecodeError::NegativeRadius { radius_mm: -20.0 };
-    assert_eq!(error.rule(), Rule::ArcGeometry);
-    assert_warnings("N20 G2 X40 R-20", &[("R-20", error)], true);
-    let (negative, positive) = (decode("G2 X30 R-20 F5"), decode("G2 X30 R20 F5"));
-    assert_eq!(remaining(&negative), remaining(&positive));
-}
-
-#[test]
 fn words_without_effect() {
     let unused = |letter, command| DecodeError::UnusedWord { letter, command };
     assert_eq!(unused('R', 1).rule(), Rule::Syntax);
     assert_warnings("N20 G1 X40 R5 I1", &[("R5", unused('R', 1)), ("I1", unused('I', 1))], false);
-    assert_warnings("N20 G0 J2 X40", &[("J2", unused('J', 0))], false);
+    for (block, pointed, letter, command) in [
+        ("N20 G0 J2 X40", "J2", 'J', 0),
+        ("G1 X1 F1 K5", "K5", 'K', 1),
+        ("G1 X1 F1 L5", "L5", 'L', 1),
+        ("G1 X1 F1 O0.5", "O0.5", 'O', 1),
+    ] {
+        assert_warnings(block, &[(pointed, unused(letter, command))], false);
+    }
     let decoded = decode("G92 X5 R5");
     assert_eq!(diagnostics(&decoded)[0].error, unused('R', 92));
 }

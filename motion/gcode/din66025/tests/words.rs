@@ -46,9 +46,8 @@ fn auxiliary_functions() {
     let program =
         b"%\nN90 M10\nN100 G1 X10 F10 M3 K2.5 L-4\nN150 M13 O$g_myMParams$\nN160 G1 X20\n";
     let elements = elements_of(decode_with(options, program));
-    let kinds: Vec<_> = elements.iter().map(|element| element.kind).collect();
     let m = |number| MFunction { number };
-    assert_eq!(kinds, [m(10), ElementKind::Cut, m(3), m(13), ElementKind::Cut]);
+    assert_eq!(kinds(&elements), [m(10), ElementKind::Cut, m(3), m(13), ElementKind::Cut]);
     for element in &elements[2..4] {
         assert_eq!((element.start(), element.end()), (elements[1].end(), elements[1].end()));
         assert!(element.length() == 0.0);
@@ -80,11 +79,8 @@ fn global_parameters_of_auxiliary_functions() {
 #[test]
 fn auxiliary_function_after_a_jump() {
     let elements = elements("G1 X10 F10\nG92 X50\nM5\nG1 X60");
-    let kinds = kinds(&elements);
-    assert_eq!(
-        kinds,
-        [ElementKind::Cut, ElementKind::Jump, MFunction { number: 5 }, ElementKind::Cut]
-    );
+    let m5 = MFunction { number: 5 };
+    assert_eq!(kinds(&elements), [ElementKind::Cut, ElementKind::Jump, m5, ElementKind::Cut]);
     assert_eq!(ends_mm(&elements)[2], [[50.0, 0.0, 0.0], [50.0, 0.0, 0.0]]);
 }
 
@@ -168,15 +164,6 @@ fn words_that_come_twice() {
     assert_eq!(diagnostic.columns, Some(7..9));
     assert_eq!(ends_mm(&remaining(&decoded))[0][1], [1.0, 0.0, 0.0]);
     assert_eq!(diagnostics(&decode("N10 G1 X1 F10 E-100 E-200")).len(), 1);
-}
-
-#[test]
-fn words_without_effect() {
-    for (block, letter) in [("G1 X1 F1 K5", 'K'), ("G1 X1 F1 L5", 'L'), ("G1 X1 F1 O0.5", 'O')] {
-        let found = diagnostics(&decode(block));
-        let error = DecodeError::UnusedWord { letter, command: 1 };
-        assert!(matches!(&found[..], [one] if one.error == error), "{block}: {found:?}");
-    }
 }
 
 /// What O names must be there, and be what H or M needs.

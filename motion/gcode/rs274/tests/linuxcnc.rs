@@ -7,9 +7,8 @@
 //! `rs274 -g` has it; for a program in inches the module gives 25.4 times as much. `probe` moves go to their ends:
 //! there is nothing to touch.
 
-use super::moves::{ArcMove, Move, as_move};
-use super::*;
-use crate::rs274::{Tool, ToolTable};
+use super::moves::{Move, assert_same_moves, decode_as_linuxcnc};
+use std::{fmt::Debug, str::FromStr, str::Split};
 
 #[derive(Debug, Default)]
 struct Case {
@@ -39,32 +38,26 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-fn next<'a>(words: &mut impl Iterator<Item = &'a str>) -> f64 {
-    words.next().unwrap().parse().unwrap()
-}
-
 fn parse(line: &str) -> Move {
-    let mut words = line.split(' ');
-    let mut result = Move {
-        line: words.next().unwrap().parse().unwrap(),
-        kind: words.next().unwrap().to_owned(),
-        ..Move::default()
-    };
+    fn next<T: FromStr<Err: Debug>>(words: &mut Split<'_, char>) -> T {
+        words.next().unwrap().parse().unwrap()
+    }
+    let words = &mut line.split(' ');
+    let mut result = Move { line: next(words), kind: next(words), ..Move::default() };
     if result.kind == "dwell" {
-        result.seconds = Some(next(&mut words));
+        result.seconds = Some(next(words));
     } else {
-        result.end = Some(std::array::from_fn(|_| next(&mut words)));
+        result.points = (0..3).map(|_| next(words)).collect();
     }
     while let Some(word) = words.next() {
         match word {
-            "F" => result.feed = Some(next(&mut words)),
-            "abc" => result.abc = std::array::from_fn(|_| next(&mut words)),
+            "F" => result.feed = Some(next(words)),
+            "abc" => result.abc = std::array::from_fn(|_| next(words)),
             plane => {
                 assert_eq!(words.next(), Some("turns"));
-                let turns = words.next().unwrap().parse().unwrap();
+                result.kind += &format!(" {plane} {}", next::<i32>(words));
                 assert_eq!(words.next(), Some("center"));
-                let center = std::array::from_fn(|_| next(&mut words));
-                result.arc = Some(ArcMove { plane: plane.to_owned(), turns, center });
+                result.points.extend([0; 2].map(|_| next::<f64>(words)));
             }
         }
     }
@@ -73,39 +66,13 @@ fn parse(line: &str) -> Move {
 
 #[test]
 fn programs_are_as_linuxcnc_reads_them() {
-    let mut wrong = Vec::new();
     let cases = cases();
-    for case in &cases {
-        // Every tool is there and has length zero.
-        let tools = (1..200).map(|number| Tool { number, ..Tool::default() });
-        let options =
-            DecoderOptions { tools: Some(ToolTable::new(tools)), ..DecoderOptions::default() };
-        let decoded = decode_with(options, case.program.as_bytes());
+    for Case { name, program, moves, error } in &cases {
+        let decoded = decode_as_linuxcnc(program.as_bytes());
         let first_error = decoded.errors.first().map_or(u32::MAX, |error| error.place.line);
-        let ours: Vec<Move> = decoded
-            .elements
-            .iter()
-            .filter(|element| element.place.line < first_error)
-            .filter_map(|element| as_move(element, [0.0; 3]))
-            .collect();
         // Of the block that it stops at LinuxCNC may have made some moves.
-        let expected: Vec<&Move> = case.moves.iter().filter(|m| m.line < first_error).collect();
-        let difference =
-            ours.iter().zip(&expected).find_map(|(ours, expected)| ours.difference(expected));
-        if difference.is_some()
-            || ours.len() != expected.len()
-            || case.error.is_some() == decoded.errors.is_empty()
-        {
-            wrong.push(format!(
-                "{}: {} of {} moves, {difference:?}, errors {:?}, expected {:?}\n",
-                case.name,
-                ours.len(),
-                expected.len(),
-                decoded.errors,
-                case.error
-            ));
-        }
+        assert_same_moves(name, &decoded, moves, first_error);
+        assert_eq!(decoded.errors.is_empty(), error.is_none(), "{name}: {error:?}, {decoded:?}");
     }
     assert!(cases.len() > 200, "{}", cases.len());
-    assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), cases.len(), wrong.concat());
 }

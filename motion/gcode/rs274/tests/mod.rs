@@ -1,11 +1,7 @@
 //! Tests of the dialect, and the decoding helpers that they share.
 
 #![expect(clippy::float_cmp, reason = "rounded before, or to be the same bit for bit")]
-#![expect(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    reason = "counts, turns and dwells: far below 2^53"
-)]
+#![expect(clippy::cast_precision_loss, reason = "counts and dwells: far below 2^53")]
 
 mod corpus;
 mod errors;
@@ -70,6 +66,10 @@ fn ends_mm(elements: &[PathElement]) -> Vec<[f64; 3]> {
 fn ends(elements: &[PathElement]) -> String {
     let place = |[x, y, z]: [f64; 3]| format!("{x} {y} {z}");
     ends_mm(elements).into_iter().map(place).collect::<Vec<_>>().join(" | ")
+}
+
+fn kinds(elements: &[PathElement]) -> Vec<ElementKind> {
+    elements.iter().map(|element| element.kind).collect()
 }
 
 /// `X Y Z` in m and no rotary axes.

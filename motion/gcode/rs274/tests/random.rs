@@ -4,7 +4,7 @@ use super::*;
 use crate::decode::{Rule, TextError};
 use crate::rs274::{DecodeError, MAX_CYCLE_MOVES, Tool, ToolReference, ToolTable};
 use proptest::prelude::*;
-use std::io::{self, BufReader, Read};
+use std::io::BufReader;
 use twin_path::Shape;
 
 /// Everything a program gives, in order, read in pieces of `capacity` bytes.
@@ -233,25 +233,6 @@ proptest! {
     }
 }
 
-/// Bytes without end: the same piece again and again, `left` bytes in all.
-struct Endless {
-    piece: &'static [u8],
-    at: usize,
-    left: usize,
-}
-
-impl Read for Endless {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = buffer.len().min(self.left);
-        for slot in &mut buffer[..count] {
-            *slot = self.piece[self.at % self.piece.len()];
-            self.at += 1;
-        }
-        self.left -= count;
-        Ok(count)
-    }
-}
-
 /// Lines without end are left out as they come; memory does not grow with the program.
 #[test]
 fn memory_is_bounded() {
@@ -267,7 +248,8 @@ fn memory_is_bounded() {
         b"G0 X1\nX2\n",
         b"G91 G81 X.001 Z-1 R1 L2000 F1\n",
     ] {
-        let reader = BufReader::new(Endless { piece, at: 0, left: 1 << 20 });
+        let program = piece.repeat((1_usize << 20).div_ceil(piece.len()));
+        let reader = BufReader::new(&program[..]);
         let mut decoder = Decoder::new(reader, DecoderOptions::default());
         let mut most = 0;
         while decoder.next().is_some() {

@@ -1,6 +1,7 @@
 //! Tests of the tool table, tool length, and M functions.
 
 use super::*;
+use crate::refeed::tests::Unplugged;
 use crate::rs274::{LengthUnit, Tool, ToolReference, ToolTable, ToolTableError};
 use ElementKind::{Jump, Rapid};
 
@@ -56,19 +57,11 @@ fn errors_of_the_file() {
         "line 1: the tool table is longer than 1048576 bytes"
     );
     assert!(message(&";\n".repeat(1 << 20)).ends_with("longer than 1048576 bytes"));
-    let error = ToolTable::read(Broken, LengthUnit::Millimetre).unwrap_err();
+    let error = ToolTable::read(Unplugged, LengthUnit::Millimetre).unwrap_err();
     assert!(matches!(error, ToolTableError::Io(_)));
     // Of several the last.
     let tool = |diameter| Tool { number: 7, diameter, ..Tool::default() };
     assert_eq!(ToolTable::new([tool(1.0), tool(2.0)]).as_slice(), [tool(2.0)]);
-}
-
-struct Broken;
-
-impl std::io::Read for Broken {
-    fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
-        Err(std::io::ErrorKind::TimedOut.into())
-    }
 }
 
 fn options(reference: ToolReference) -> DecoderOptions {
@@ -82,8 +75,7 @@ fn length() {
     let controlled = elements_with(options(ToolReference::ControlPoint), program);
     assert_eq!(ends(&controlled), "5 0 5 | 6 0 5 | 6 0 56.125 | 7 0 56.125 | 7 0 5");
     let tip = elements_with(options(ToolReference::Tip), program);
-    let kinds: Vec<_> = tip.iter().map(|element| element.kind).collect();
-    assert_eq!(kinds, [Rapid, Jump, Rapid, Rapid, Jump, Rapid, Rapid]);
+    assert_eq!(kinds(&tip), [Rapid, Jump, Rapid, Rapid, Jump, Rapid, Rapid]);
     assert_eq!(
         ends(&tip),
         "5 0 5 | 5 0 -46.125 | 6 0 -46.125 | 6 0 5 | 6 0 56.125 | 7 0 56.125 | 7 0 5"
@@ -122,46 +114,38 @@ fn tool_in_the_spindle() {
     assert_eq!(ends(&found), "1 -2 10.5");
 }
 
+/// The M functions of a program with line and K.
+fn functions(elements: &[PathElement]) -> String {
+    let functions = elements.iter().filter_map(|element| {
+        let ElementKind::MFunction { number } = element.kind else { return None };
+        let k = element.details.as_ref().and_then(|details| details.parameters.k);
+        let k = k.map_or_else(String::new, |k| format!(" K{k}"));
+        Some(format!("{} M{number}{k}", element.place.line))
+    });
+    functions.collect::<Vec<_>>().join(" | ")
+}
+
+/// The end of the program turns off spindle and coolant, and a tool change the spindle, as LinuxCNC's interpreter hands
+/// on (`rs274 -g`: `STOP_SPINDLE_TURNING`, `FLOOD_OFF`).
 #[test]
 fn m_functions() {
-    let found =
-        elements("G0 X1\nM6 T3\nS1000 M3\nS2000\nM4 M8\nM5 M9\nM0\nM1\nM60\nM7\nG0 X2 M0\nM30");
-    let functions: Vec<_> = found
-        .iter()
-        .filter_map(|element| match element.kind {
-            ElementKind::MFunction { number } => Some((
-                element.place.line,
-                number,
-                element.details.as_ref().and_then(|details| details.parameters.k),
-            )),
-            _ => None,
-        })
-        .collect();
-    assert_eq!(
-        functions,
-        [
-            (2, 6, Some(3.0)),
-            (3, 3, Some(1000.0)),
-            (5, 4, Some(2000.0)),
-            (5, 8, None),
-            (6, 5, None),
-            (6, 9, None),
-            (7, 0, None),
-            (8, 1, None),
-            (9, 60, None),
-            (10, 7, None),
-            (11, 0, None),
-            // The end of the program turns off spindle and coolant.
-            (12, 9, None),
-        ]
-    );
-    // The stop is behind the motion of its line; everything else before it.
-    let kinds = |program: &str| -> Vec<_> {
-        elements(program).iter().map(|element| element.kind).collect()
-    };
-    let m = |number| ElementKind::MFunction { number };
-    assert_eq!(kinds("G0 X1 M0 M3\nM2"), [m(3), ElementKind::Rapid, m(0), m(5)]);
-    for element in found {
-        assert!(element.kind.is_motion() || element.start() == element.end());
+    for (program, expected) in [
+        (
+            "G0 X1\nM6 T3\nS1000 M3\nS2000\nM4 M8\nM5 M9\nM0\nM1\nM60\nM7\nG0 X2 M0\nM30",
+            "2 M6 K3 | 3 M3 K1000 | 5 M4 K2000 | 5 M8 | 6 M5 | 6 M9 | 7 M0 | 8 M1 | 9 M60 | 10 M7 | 11 M0 | 12 M9",
+        ),
+        ("M3 S100\nM8\nG0 X1\nM30", "1 M3 K100 | 2 M8 | 4 M5 | 4 M9"),
+        ("M3 S100\nM5\nM8\nM9\nM2", "1 M3 K100 | 2 M5 | 3 M8 | 4 M9"),
+        ("M3 S100\nT1 M6\nM4\nM2", "1 M3 K100 | 2 M5 | 2 M6 K1 | 3 M4 K100 | 4 M5"),
+        ("%\nM3 S100\n%", "2 M3 K100 | 3 M5"),
+    ] {
+        let found = elements(program);
+        assert_eq!(functions(&found), expected, "{program}");
+        for element in found {
+            assert!(element.kind.is_motion() || element.start() == element.end());
+        }
     }
+    // The stop is behind the motion of its line; everything else before it.
+    let m = |number| ElementKind::MFunction { number };
+    assert_eq!(kinds(&elements("G0 X1 M0 M3\nM2")), [m(3), Rapid, m(0), m(5)]);
 }

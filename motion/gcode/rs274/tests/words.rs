@@ -73,9 +73,8 @@ fn suppressed_blocks() {
 #[test]
 fn modal_lines() {
     let found = elements("F60 G1 X1\nY2\nG91\nX1\nG90 G0\nX1\nG4 P.5\nX2\nM2");
-    let kinds: Vec<_> = found.iter().map(|element| element.kind).collect();
     // A G word of a motion without axes moves nothing, but is a move in LinuxCNC.
-    assert_eq!(kinds, [Cut, Cut, Cut, Rapid, Rapid, Dwell { time_ns: 500_000_000 }, Rapid]);
+    assert_eq!(kinds(&found), [Cut, Cut, Cut, Rapid, Rapid, Dwell { time_ns: 500_000_000 }, Rapid]);
     assert_eq!(ends(&found), "1 0 0 | 1 2 0 | 2 2 0 | 2 2 0 | 1 2 0 | 1 2 0 | 2 2 0");
     let options = DecoderOptions { keep_empty_moves: false, ..DecoderOptions::default() };
     assert_eq!(elements_with(options, "G0 X1\nX1\nG0\nX2\nM2").len(), 2);
@@ -138,22 +137,4 @@ fn modes_to_read() {
     );
     assert_eq!(decoder.lines(), 9);
     assert_eq!(decoder.position(), at([4.0 * 0.0254, 0.0, 0.0]));
-}
-
-/// As LinuxCNC's interpreter hands on at the end of a program and at a tool change (`rs274 -g`: `STOP_SPINDLE_TURNING`,
-/// `FLOOD_OFF`).
-#[test]
-fn spindle_and_coolant_stop_at_the_end() {
-    let numbers = |program: &str| -> Vec<(u32, u16)> {
-        let elements = elements(program);
-        let functions = elements.iter().filter_map(|element| match element.kind {
-            ElementKind::MFunction { number } => Some((element.place.line, number)),
-            _ => None,
-        });
-        functions.collect()
-    };
-    assert_eq!(numbers("M3 S100\nM8\nG0 X1\nM30"), [(1, 3), (2, 8), (4, 5), (4, 9)]);
-    assert_eq!(numbers("M3 S100\nM5\nM8\nM9\nM2"), [(1, 3), (2, 5), (3, 8), (4, 9)]);
-    assert_eq!(numbers("M3 S100\nT1 M6\nM4\nM2"), [(1, 3), (2, 5), (2, 6), (3, 4), (4, 5)]);
-    assert_eq!(numbers("%\nM3 S100\n%"), [(2, 3), (3, 5)]);
 }
