@@ -28,11 +28,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [a, b] = *axes.position else { return Err("two axes expected".into()) };
     let [a_rate, b_rate] = *axes.velocity else { return Err("two axes expected".into()) };
     println!("tool at (300, 400) mm: A {:.3} degrees, B {:.3} degrees", degrees(a), degrees(b));
-    println!(
-        "tool at 100 mm/s along y: A {:.3} degrees/s, B {:.3} degrees/s",
-        degrees(a_rate),
-        degrees(b_rate)
-    );
+    let rates = [a_rate, b_rate].map(degrees);
+    println!("tool at 100 mm/s along y: A {:.3} degrees/s, B {:.3} degrees/s", rates[0], rates[1]);
     close("A, rad", a, 0.0)?;
     close("B, rad", b, std::f64::consts::FRAC_PI_2)?;
     // The second arm points along y. It turns against the first, so that the tool keeps its x:
@@ -44,13 +41,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     close("distance of the forward transform, m", (back.position - pose.position).norm(), 0.0)?;
 
     // Out of reach is an error with target and reach; the transform clamps nothing.
-    match scara.inverse(&Pose::at(0.8, 0.0, 0.0), &axes.position) {
-        Ok(axes) => Err(format!("800 mm is out of reach, but the transform gives {axes:?}").into()),
-        Err(error) => {
-            println!("tool at (800, 0) mm: {error}");
-            Ok(())
-        }
-    }
+    let Err(error) = scara.inverse(&Pose::at(0.8, 0.0, 0.0), &axes.position) else {
+        return Err("800 mm is out of reach, but the transform gives axes".into());
+    };
+    println!("tool at (800, 0) mm: {error}");
+    Ok(())
 }
 
 /// Degrees for the terminal, without a sign on 0.

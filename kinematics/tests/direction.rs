@@ -22,17 +22,9 @@ fn quarter_turns_are_exact() {
             }
         }
     }
-}
-
-/// Just below the x axis the angle is a whole turn in numbers; it is 0.
-#[test]
-fn a_whole_turn_is_none() {
+    // Just below the x axis the angle is a whole turn in numbers.
     let found = ToPath::Tangential.direction(Vector2::new(1.0, -1e-20)).unwrap();
     assert!(found.to_bits() == 0.0_f64.to_bits(), "{found:e}");
-}
-
-#[test]
-fn what_is_not_a_number_stays_so() {
     assert!(ToPath::Left.direction(Vector2::new(f64::NAN, 1.0)).is_some_and(f64::is_nan));
 }
 
@@ -42,29 +34,22 @@ fn rates_on_a_circle() {
     let [a, b, c] = [0.5, -1.5, 4.0];
     for length in [1e-200, 1e-3, 1.0, 1e200] {
         // exp(iφ) = 1 + iat + (ib − a²/2)t² + (ic − ab − ia³/6)t³ + …
-        let derivatives = [
-            Vector2::new(0.0, a),
-            Vector2::new(-a * a, 2.0 * b),
-            Vector2::new(-6.0 * a * b, 6.0 * c - a * a * a),
-        ];
-        let found = direction_rates(Vector2::x() * length, derivatives.map(|value| value * length))
-            .unwrap();
+        let derivatives =
+            [[0.0, a], [-a * a, 2.0 * b], [-6.0 * a * b, 6.0 * c - a * a * a]].map(Vector2::from);
+        let scaled = derivatives.map(|value| value * length);
+        let found = direction_rates(Vector2::x() * length, scaled).unwrap();
         for (found, expected) in found.into_iter().zip([a, 2.0 * b, 6.0 * c]) {
             assert!((found - expected).abs() < 1e-14, "{found} {expected}");
         }
     }
 }
 
-/// A straight line has one direction, however its speed changes.
 #[test]
 fn rates_on_a_line_are_zero() {
     let along = Vector2::new(3.0, -4.0);
     let found = direction_rates(along, [along * -2.0, along * 7.0, along * 0.5]).unwrap();
     assert!(found.iter().all(|rate| rate.abs() < 1e-14), "{found:?}");
-}
-
-#[test]
-fn no_vector_no_rates() {
+    // No vector, no rates.
     assert_eq!(direction_rates(Vector2::zeros(), [Vector2::x(), Vector2::y(), Vector2::x()]), None);
 }
 
@@ -90,7 +75,6 @@ proptest! {
         }
     }
 
-    /// Each rate is the derivative of the one before, the first that of the angle itself.
     #[test]
     fn rates_are_derivatives(
         angle in -PI..PI,

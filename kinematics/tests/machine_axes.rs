@@ -23,12 +23,12 @@ fn down(length: f64) -> Vector3<f64> {
     Vector3::new(0.0, 0.0, -length)
 }
 
-fn machine(sources: &[AxisSource], tool_length: f64) -> MachineAxes {
-    MachineAxes::new(Box::new(scara()), sources.to_vec(), down(tool_length)).unwrap()
+fn made(sources: &[AxisSource], tool_length: f64) -> Result<MachineAxes, MachineAxesError> {
+    MachineAxes::new(Box::new(scara()), sources.to_vec(), down(tool_length))
 }
 
-fn refusal(sources: &[AxisSource]) -> MachineAxesError {
-    MachineAxes::new(Box::new(scara()), sources.to_vec(), down(0.0)).unwrap_err()
+fn machine(sources: &[AxisSource], tool_length: f64) -> MachineAxes {
+    made(sources, tool_length).unwrap()
 }
 
 #[test]
@@ -40,15 +40,11 @@ fn axes_come_in_the_order_of_the_machine_file() {
     {
         // A tool of 120 mm whose tip is at −50 mm hangs on a flange at 70 mm.
         let machine = machine(&sources, 0.12);
-        assert_eq!(
-            (machine.axis_count(), machine.coordinates()),
-            (3, &Coordinate::TRANSLATIONS[..])
-        );
+        assert_eq!(machine.axis_count(), 3);
+        assert_eq!(machine.coordinates(), Coordinate::TRANSLATIONS);
         let found = machine.inverse(&pose, &AxisVector::zeros(3)).unwrap();
-        assert!(
-            found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-15),
-            "{found:?}"
-        );
+        let off = [0, 1, 2].map(|axis| (found[axis] - expected[axis]).abs());
+        assert!(off.iter().all(|off| *off < 1e-15), "{found:?}");
         let back = machine.forward(&found).unwrap();
         assert!((back.position - pose.position).norm() < 1e-15, "{back:?}");
     }
@@ -96,10 +92,9 @@ fn errors_speak_of_the_tool_tip() {
     let machine = machine(&[A, B, Z], 0.12);
     let near = AxisVector::zeros(3);
     let error = machine.inverse(&Pose::at(0.4, 0.3, -0.05), &near).unwrap_err();
-    assert!(
-        matches!(error, KinematicsError::Unreachable { target: [0.4, 0.3, -0.05], .. }),
-        "{error:?}"
-    );
+    let KinematicsError::Unreachable { target: [0.4, 0.3, -0.05], .. } = error else {
+        panic!("{error:?}");
+    };
     let mut tool = ToolMotion::at_rest(Pose::at(0.45, 0.0, -0.05));
     tool.velocity.x = -0.1;
     let error = machine.inverse_motion(&tool, &near).unwrap_err();
@@ -122,24 +117,23 @@ fn refuses_the_wrong_number_of_values() {
 
 #[test]
 fn refuses_axes_that_do_not_fit_the_transform() {
-    let x = AxisSource::Coordinate(Coordinate::X);
-    assert_eq!(refusal(&[A, Z]), MachineAxesError::OutputWithoutAxis(1));
-    assert_eq!(refusal(&[A, B, A]), MachineAxesError::OutputTwice(0));
-    assert_eq!(refusal(&[A, B, Z, Z]), MachineAxesError::CoordinateTwice(Coordinate::Z));
-    assert_eq!(refusal(&[A, B, x]), MachineAxesError::CoordinateOfTransform(Coordinate::X));
-    let additional = AxisSource::Additional(3);
-    assert_eq!(refusal(&[A, B, additional, additional]), MachineAxesError::AdditionalTwice(3));
+    let (x, u) = (AxisSource::Coordinate(Coordinate::X), AxisSource::Additional(3));
     let third = MachineAxesError::NoSuchOutput { output: 2, outputs: 2 };
-    assert_eq!(refusal(&[A, B, AxisSource::Transform(2)]), third);
-    assert_eq!(
-        third.to_string(),
-        "output 3 of the transform is assigned to an axis, but the transform has 2"
-    );
-    assert_eq!(refusal(&[A; 9]), MachineAxesError::TooMany(9));
-    let no_z = MachineAxes::new(Box::new(scara()), vec![A, B], down(0.1)).unwrap_err();
-    assert_eq!(no_z, MachineAxesError::ToolWithoutZ(0.1));
-    let no_length = MachineAxes::new(Box::new(scara()), vec![A, B, Z], down(f64::NAN)).unwrap_err();
-    assert_eq!(no_length, MachineAxesError::Tool);
+    for (sources, tool_length, expected) in [
+        (&[A, Z][..], 0.0, MachineAxesError::OutputWithoutAxis(1)),
+        (&[A, B, A], 0.0, MachineAxesError::OutputTwice(0)),
+        (&[A, B, Z, Z], 0.0, MachineAxesError::CoordinateTwice(Coordinate::Z)),
+        (&[A, B, x], 0.0, MachineAxesError::CoordinateOfTransform(Coordinate::X)),
+        (&[A, B, u, u], 0.0, MachineAxesError::AdditionalTwice(3)),
+        (&[A, B, AxisSource::Transform(2)], 0.0, third),
+        (&[A; 9], 0.0, MachineAxesError::TooMany(9)),
+        (&[A, B], 0.1, MachineAxesError::ToolWithoutZ(0.1)),
+        (&[A, B, Z], f64::NAN, MachineAxesError::Tool),
+    ] {
+        assert_eq!(made(sources, tool_length).unwrap_err(), expected);
+    }
+    let message = "output 3 of the transform is assigned to an axis, but the transform has 2";
+    assert_eq!(third.to_string(), message);
 }
 
 proptest! {

@@ -1,14 +1,15 @@
 //! Random machines of every kind with valid axis positions, for property tests.
 
-use crate::Transform;
 use crate::gantry::{
     BeltLayout, Gantry2, Gantry3, GantryCutter2, GantryCutter3, GantryH2, Sense, ToolBeside,
 };
 use crate::scara::{Elbow, Scara2, Scara3};
 use crate::tripod::{CalibratedTripod, Tripod, TripodDeviations, TripodDimensions};
+use crate::{DimensionError, Transform};
 use nalgebra::{SVector, Vector2, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
+use std::fmt;
 
 /// A machine with axis positions.
 #[derive(Clone, Debug)]
@@ -17,8 +18,7 @@ pub(crate) struct Placed<T, const N: usize> {
     pub(crate) axes: SVector<f64, N>,
 }
 
-/// Minimum distance of axis positions from the edges of the reach, as a part of the machine's size or an angle: well
-/// inside or close.
+/// Least distance of axis positions from the edges of the reach, as a part of the machine's size or an angle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Reach {
     /// Where derivatives are at most about a hundred.
@@ -35,22 +35,27 @@ fn values<const N: usize>(range: f64) -> impl Strategy<Value = SVector<f64, N>> 
     prop::collection::vec(-range..range, N).prop_map(SVector::from_vec)
 }
 
-fn elbows() -> impl Strategy<Value = Elbow> {
+pub(crate) fn elbows() -> impl Strategy<Value = Elbow> {
     prop_oneof![Just(Elbow::Low), Just(Elbow::High)]
 }
 
-pub(crate) fn gantry2() -> impl Strategy<Value = Placed<Gantry2, 2>> {
-    (values::<2>(1.0), tools(), values(1.0)).prop_map(|(offsets, tool, axes)| Placed {
-        machine: Gantry2::new(offsets.into()).unwrap().holding(&tool),
-        axes,
+/// Gantries that `made` makes of offsets and of something `more`, with a tool, and axes in a range.
+fn gantries<T: Transform<N>, const N: usize, M: fmt::Debug>(
+    more: impl Strategy<Value = M>,
+    range: f64,
+    made: impl Fn([f64; N], M) -> Result<T, DimensionError>,
+) -> impl Strategy<Value = Placed<T, N>> {
+    (values::<N>(1.0), more, tools(), values(range)).prop_map(move |(offsets, more, tool, axes)| {
+        Placed { machine: made(offsets.into(), more).unwrap().holding(&tool), axes }
     })
 }
 
+pub(crate) fn gantry2() -> impl Strategy<Value = Placed<Gantry2, 2>> {
+    gantries(Just(()), 1.0, |offsets, ()| Gantry2::new(offsets))
+}
+
 pub(crate) fn gantry3() -> impl Strategy<Value = Placed<Gantry3, 3>> {
-    (values::<3>(1.0), tools(), values(1.0)).prop_map(|(offsets, tool, axes)| Placed {
-        machine: Gantry3::new(offsets.into()).unwrap().holding(&tool),
-        axes,
-    })
+    gantries(Just(()), 1.0, |offsets, ()| Gantry3::new(offsets))
 }
 
 fn senses() -> impl Strategy<Value = Sense> {
@@ -58,59 +63,37 @@ fn senses() -> impl Strategy<Value = Sense> {
 }
 
 pub(crate) fn gantry_cutter2() -> impl Strategy<Value = Placed<GantryCutter2, 3>> {
-    (values::<3>(1.0), senses(), tools(), values(3.0)).prop_map(|(offsets, sense, tool, axes)| {
-        Placed { machine: GantryCutter2::new(offsets.into(), sense).unwrap().holding(&tool), axes }
-    })
+    gantries(senses(), 3.0, GantryCutter2::new)
 }
 
 pub(crate) fn gantry_cutter3() -> impl Strategy<Value = Placed<GantryCutter3, 4>> {
-    (values::<4>(1.0), senses(), tools(), values(3.0)).prop_map(|(offsets, sense, tool, axes)| {
-        Placed { machine: GantryCutter3::new(offsets.into(), sense).unwrap().holding(&tool), axes }
-    })
+    gantries(senses(), 3.0, GantryCutter3::new)
 }
 
 fn beside() -> impl Strategy<Value = ToolBeside> {
-    (-PI..PI, -0.3..0.3, -0.3..0.3).prop_map(|(angle, ahead, left)| ToolBeside {
-        angle,
-        ahead,
-        left,
-    })
+    let place = (-PI..PI, -0.3..0.3, -0.3..0.3);
+    place.prop_map(|(angle, ahead, left)| ToolBeside { angle, ahead, left })
 }
 
 pub(crate) fn gantry2_tool() -> impl Strategy<Value = Placed<Gantry2, 2>> {
-    (values::<2>(1.0), beside(), tools(), values(1.0)).prop_map(|(offsets, beside, tool, axes)| {
-        Placed {
-            machine: Gantry2::with_tool_offset(offsets.into(), beside).unwrap().holding(&tool),
-            axes,
-        }
-    })
+    gantries(beside(), 1.0, Gantry2::with_tool_offset)
 }
 
 pub(crate) fn gantry3_tool() -> impl Strategy<Value = Placed<Gantry3, 3>> {
-    (values::<3>(1.0), beside(), tools(), values(1.0)).prop_map(|(offsets, beside, tool, axes)| {
-        Placed {
-            machine: Gantry3::with_tool_offset(offsets.into(), beside).unwrap().holding(&tool),
-            axes,
-        }
-    })
+    gantries(beside(), 1.0, Gantry3::with_tool_offset)
 }
 
 pub(crate) fn gantry_h2() -> impl Strategy<Value = Placed<GantryH2, 2>> {
-    (values::<2>(1.0), any::<[bool; 2]>(), tools(), values(1.0)).prop_map(
-        |(offsets, [coordinates_exchanged, drives_exchanged], tool, axes)| {
-            let layout = BeltLayout { coordinates_exchanged, drives_exchanged };
-            Placed { machine: GantryH2::new(offsets.into(), layout).unwrap().holding(&tool), axes }
-        },
-    )
+    gantries(any::<[bool; 2]>(), 1.0, |offsets, [coordinates_exchanged, drives_exchanged]| {
+        GantryH2::new(offsets, BeltLayout { coordinates_exchanged, drives_exchanged })
+    })
 }
 
 /// An angle between stretched and folded arms.
 fn bends(reach: Reach) -> BoxedStrategy<f64> {
     match reach {
         Reach::Inside => (0.3..PI - 0.3).boxed(),
-        Reach::Close => {
-            any::<bool>().boxed().prop_map(|folded| if folded { 1.0 } else { 0.0 }).boxed()
-        }
+        Reach::Close => prop_oneof![Just(0.0), Just(1.0)].boxed(),
     }
 }
 
@@ -192,15 +175,7 @@ pub(crate) fn tripod(reach: Reach) -> impl Strategy<Value = Placed<Tripod, 3>> {
             let direction = Vector3::new(f64::cos(angle), f64::sin(angle), 0.0);
             let at = |r: f64| direction * r + Vector3::z() * z + tool;
             // The distance at which the first rod is horizontal.
-            let (mut inside, mut outside) = (0.0, 2.0 * dimensions.rod_length);
-            for _ in 0..80 {
-                let middle = f64::midpoint(inside, outside);
-                if machine.to_axes(&at(middle)).is_ok() {
-                    inside = middle;
-                } else {
-                    outside = middle;
-                }
-            }
+            let inside = farthest(2.0 * dimensions.rod_length, |r| machine.to_axes(&at(r)).is_ok());
             let r = match reach {
                 Reach::Inside => part * inside,
                 Reach::Close => inside - 1e-6 * dimensions.rod_length,
@@ -209,6 +184,20 @@ pub(crate) fn tripod(reach: Reach) -> impl Strategy<Value = Placed<Tripod, 3>> {
             Placed { machine, axes }
         },
     )
+}
+
+/// The largest value below `outside` up to which `reached` holds.
+fn farthest(mut outside: f64, reached: impl Fn(f64) -> bool) -> f64 {
+    let mut inside = 0.0;
+    for _ in 0..80 {
+        let middle = f64::midpoint(inside, outside);
+        if reached(middle) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    inside
 }
 
 fn deviations() -> impl Strategy<Value = TripodDeviations> {
@@ -257,15 +246,8 @@ fn close(machine: &CalibratedTripod, start: Vector3<f64>) -> Option<Vector3<f64>
     let size = machine.characteristic_length();
     let outwards = Vector3::new(1.0, 0.3, 0.0).normalize();
     machine.to_axes(&start).ok()?;
-    let (mut inside, mut outside) = (0.0, 2.0 * size);
-    for _ in 0..60 {
-        let middle = f64::midpoint(inside, outside);
-        if machine.to_axes(&(start + outwards * middle)).is_ok() {
-            inside = middle;
-        } else {
-            outside = middle;
-        }
-    }
+    let reached = |way: f64| machine.to_axes(&(start + outwards * way)).is_ok();
+    let inside = farthest(2.0 * size, reached);
     let close = start + outwards * (inside - 1e-6 * size);
     // One rod of a pair may be level before the platform is at the end of its way, and the platform then tilts: the
     // last bit of that way is nearer to the edge than it is long.

@@ -38,8 +38,7 @@ fn gantries_are_nowhere_singular() {
     assert_eq!(Kinematics::branch(&gantry), Branch::Only);
 }
 
-/// Equal arms at a right angle: the Jacobian is L·(−1 −1; 1 0), whose singular values are L times the golden ratio and
-/// its inverse.
+/// Equal arms at a right angle: the singular values of L·(−1 −1; 1 0) are L times the golden ratio and its inverse.
 #[test]
 fn a_scara_at_a_right_angle() {
     let scara = Scara2::new([0.3, 0.3], [0.0; 2], Elbow::Low).unwrap();
@@ -49,12 +48,11 @@ fn a_scara_at_a_right_angle() {
     near(found.largest, 0.5 * golden);
     near(found.smallest, 0.5 / golden);
     near(found.smallest / found.largest, 1.0 / (golden * golden));
-    let coordinates = [Coordinate::X, Coordinate::Y, Coordinate::Z];
     let jacobian = Kinematics::jacobian(&scara, &axes).unwrap();
-    let column = |axis| coordinates.map(|coordinate| jacobian.get(coordinate, axis));
-    for (found, expected) in [(column(0), [-0.3, 0.3, 0.0]), (column(1), [-0.3, 0.0, 0.0])] {
-        let error = (Vector3::from(found) - Vector3::from(expected)).norm();
-        assert!(error < 1e-16, "{found:?}");
+    for (axis, expected) in [(0, [-0.3, 0.3, 0.0]), (1, [-0.3, 0.0, 0.0])] {
+        let column = Coordinate::TRANSLATIONS.map(|coordinate| jacobian.get(coordinate, axis));
+        let error = (Vector3::from(column) - Vector3::from(expected)).norm();
+        assert!(error < 1e-16, "{column:?}");
     }
     near(jacobian.tool_velocity(&AxisVector::from_values([1.0, -1.0]))[1], 0.3);
 }
@@ -63,12 +61,8 @@ fn a_scara_at_a_right_angle() {
 #[test]
 fn whole_machines_are_as_singular_as_their_transform() {
     let scara = Scara2::new([0.3, 0.3], [0.0; 2], Elbow::Low).unwrap();
-    let sources = vec![
-        AxisSource::Additional(0),
-        AxisSource::Transform(1),
-        AxisSource::Coordinate(Coordinate::Z),
-        AxisSource::Transform(0),
-    ];
+    let [a, b] = [0, 1].map(AxisSource::Transform);
+    let sources = vec![AxisSource::Additional(0), b, AxisSource::Coordinate(Coordinate::Z), a];
     let machine = MachineAxes::new(Box::new(scara), sources, Vector3::zeros()).unwrap();
     let axes = AxisVector::from_values([7.0, FRAC_PI_2, 0.1, 0.0]);
     let alone = scara.dexterity(&AxisVector::from_values([0.0, FRAC_PI_2]), 0.6).unwrap();
@@ -81,19 +75,20 @@ fn whole_machines_are_as_singular_as_their_transform() {
 
 #[test]
 fn periods_fold_and_must_be_some() {
-    let sources = || (0..4).map(AxisSource::Transform).collect();
-    let cutter = || Box::new(GantryCutter3::new([0.0; 4], Sense::CounterClockwise).unwrap());
-    let machine = MachineAxes::new(cutter(), sources(), Vector3::zeros()).unwrap();
-    let machine = machine.with_periods(&[None, None, None, Some(6.0)]).unwrap();
+    let with_periods = |periods: &[Option<f64>]| {
+        let cutter = GantryCutter3::new([0.0; 4], Sense::CounterClockwise).unwrap();
+        let sources = (0..4).map(AxisSource::Transform).collect();
+        MachineAxes::new(Box::new(cutter), sources, Vector3::zeros()).unwrap().with_periods(periods)
+    };
+    let machine = with_periods(&[None, None, None, Some(6.0)]).unwrap();
     let folded = machine.fold(&AxisVector::from_values([-1.0, 9.0, 2.0, -1.0]));
     assert_eq!(*folded, [-1.0, 9.0, 2.0, 5.0]);
-    let none = MachineAxes::new(cutter(), sources(), Vector3::zeros()).unwrap();
-    let error = none.with_periods(&[None, Some(0.0)]).unwrap_err();
+    let error = with_periods(&[None, Some(0.0)]).unwrap_err();
     assert_eq!(error.to_string(), "axis 2 has a period of 0; it must be above 0");
 }
 
 #[test]
-fn axes_tell_their_branch() {
+fn axes_have_their_branch() {
     for (elbow, branch, beta) in
         [(Elbow::Low, Branch::ElbowLow, 1.0), (Elbow::High, Branch::ElbowHigh, -1.0)]
     {
@@ -108,7 +103,7 @@ fn axes_tell_their_branch() {
     assert_eq!(Branch::ElbowHigh.to_string(), "elbow high");
 }
 
-const TRIPOD: TripodDimensions = TripodDimensions {
+pub(super) const TRIPOD: TripodDimensions = TripodDimensions {
     inner_radius: 0.05,
     outer_radius: 0.3,
     rod_length: 0.4,
@@ -116,18 +111,20 @@ const TRIPOD: TripodDimensions = TripodDimensions {
     rotation: 0.0,
 };
 
-/// The middles of the rod pairs are 40 and √(300² − 30²) mm from the axis of the machine: the overhang is their
-/// difference, and rods are level where the platform is their length beside it.
+/// With its overhang, the difference of the middles of its rod pairs: 40 and √(300² − 30²) mm from its axis.
+fn tripod() -> (Tripod, f64) {
+    (Tripod::new(TRIPOD, [0.0; 3]).unwrap(), (0.3_f64 * 0.3 - 0.0009).sqrt() - 0.04)
+}
+
+/// Rods are level where the platform is their length away from the overhang.
 #[test]
 fn tripods_end_where_rods_are_horizontal() {
-    let tripod = Tripod::new(TRIPOD, [0.0; 3]).unwrap();
-    let overhang = (0.3_f64 * 0.3 - 0.0009).sqrt() - 0.04;
+    let (tripod, overhang) = tripod();
     // Away from A along −x the rods of A are the first to be horizontal.
     let edge = overhang - 0.4;
-    let margins = margins_at(&tripod, &Vector3::new(edge + 0.01, 0.0, 0.0));
-    near(margins.boundary, 0.01);
-    let margins = margins_at(&tripod, &Vector3::new(edge - 0.02, 0.0, 0.0));
-    near(margins.boundary, -0.02);
+    for inside in [0.01, -0.02] {
+        near(margins_at(&tripod, &Vector3::new(edge + inside, 0.0, 0.0)).boundary, inside);
+    }
     let error = tripod.to_axes(&Vector3::new(edge - 0.02, 0.0, 0.25)).unwrap_err();
     let KinematicsError::Unreachable { target, of: ReachOf::Rod(0), distance, reach } = error
     else {
@@ -141,11 +138,11 @@ fn tripods_end_where_rods_are_horizontal() {
     // In the middle the points on the carriages are in a level plane.
     let margins = margins_at(&tripod, &Vector3::new(0.0, 0.0, -0.3));
     near(margins.branch, (0.16 - overhang * overhang).sqrt());
-    // Carriage A so low that its rods would point up from it.
-    let up = tripod.to_tool(&Vector3::new(-0.42, 0.0, 0.0)).unwrap_err();
-    assert!(matches!(up, KinematicsError::Apart(_)), "{up:?}");
-    let apart = tripod.to_tool(&Vector3::new(0.0, 0.0, 0.9)).unwrap_err();
-    assert!(matches!(apart, KinematicsError::Apart(_)), "{apart:?}");
+    // Carriage A so low that its rods would point up from it; carriages too far apart.
+    for carriages in [[-0.42, 0.0, 0.0], [0.0, 0.0, 0.9]] {
+        let error = tripod.to_tool(&Vector3::from(carriages)).unwrap_err();
+        assert!(matches!(error, KinematicsError::Apart(_)), "{error:?}");
+    }
 }
 
 /// Carriages a degree out of place: the platform tilts, and its way ends before any rod is level.
@@ -167,8 +164,7 @@ fn measured_tripods_end_where_their_way_ends() {
     // The directions between those that were looked in may end a little nearer.
     assert_eq!(around(0.99 * margin).count(), 240, "{margin}");
     assert!(around(1.001 * margin).count() < 240, "{margin}");
-    let ideal = Tripod::new(TRIPOD, [0.0; 3]).unwrap();
-    assert!((margin - margins_at(&ideal, &tool).boundary).abs() < 0.02, "{margin}");
+    assert!((margin - margins_at(&self::tripod().0, &tool).boundary).abs() < 0.02, "{margin}");
 }
 
 proptest! {
@@ -185,7 +181,6 @@ proptest! {
         prop_assert!((found.smallest * found.largest - expected).abs() <= 1e-13 * found.largest, "{found:?}");
     }
 
-    /// Going as far as the margin says and a little less is possible, a little more is not.
     #[test]
     fn margins_are_how_far_one_can_go(
         arms in prop::array::uniform2(0.1..0.5), part in 0.0..1.0, angle in -3.0..3.0,
@@ -209,12 +204,11 @@ proptest! {
     fn tripods_lose_hold_in_the_plane_of_their_carriages(
         x in -0.1..0.1, y in -0.1..0.1,
     ) {
-        let tripod = Tripod::new(TRIPOD, [0.0; 3]).unwrap();
+        let (tripod, overhang) = tripod();
         let tool = Vector3::new(x, y, 0.0);
         let axes = tripod.to_axes(&tool).unwrap();
         // The mirror image of the platform at the plane is as far from all three points.
         let margin = margins_at(&tripod, &tool).branch;
-        let overhang = (0.3_f64 * 0.3 - 0.0009).sqrt() - 0.04;
         let points = [0.0_f64, 120.0, 240.0].map(f64::to_radians).map(|angle| Vector2::new(angle.cos(), angle.sin()) * overhang);
         let points = [points[0].push(axes.x), points[1].push(axes.y), points[2].push(axes.z)];
         let normal = (points[1] - points[0]).cross(&(points[2] - points[0])).normalize();

@@ -48,7 +48,6 @@ pub(crate) fn differences<const N: usize>(f: impl Fn(f64) -> [f64; N], h: f64) -
     ]
 }
 
-/// e^x and sin x at 0.
 #[test]
 fn differences_of_known_functions() {
     let found = differences(|x| [x.exp(), x.sin()], 0.05);

@@ -1,5 +1,6 @@
 //! Tests of `Scara2` beyond the worked vectors and the properties of all transforms.
 
+use super::machines::elbows;
 use super::seeded;
 use crate::scara::{Elbow, Scara2};
 use crate::{
@@ -30,19 +31,17 @@ fn manual(elbow: Elbow) -> Scara2 {
 #[test]
 fn trafo_scara2_unreachable() {
     for elbow in [Elbow::Low, Elbow::High] {
-        let error =
-            manual(elbow).inverse(&Pose::at(0.4, 0.3, 0.0), &AxisVector::zeros(2)).unwrap_err();
+        let pose = Pose::at(0.4, 0.3, 0.0);
+        let error = manual(elbow).inverse(&pose, &AxisVector::zeros(2)).unwrap_err();
         let KinematicsError::Unreachable { target, of: ReachOf::Arms, distance, reach } = error
         else {
             panic!("{error}")
         };
-        assert_eq!(Point3::from(target), Point3::new(0.4, 0.3, 0.0));
+        assert_eq!(Point3::from(target), pose.position);
         assert!((distance - 0.5).abs() < 1e-15);
         assert!((reach[0] - 0.05).abs() < 1e-15 && (reach[1] - 0.45).abs() < 1e-15);
-        assert_eq!(
-            error.to_string(),
-            "(400.000, 300.000, 0.000) mm is 500.000000 mm away, reach is 50.000000 to 450.000000 mm"
-        );
+        let said = "(400.000, 300.000, 0.000) mm is 500.000000 mm away, reach is 50.000000 to 450.000000 mm";
+        assert_eq!(error.to_string(), said);
     }
 }
 
@@ -50,8 +49,8 @@ fn trafo_scara2_unreachable() {
 #[test]
 fn right_triangle() {
     for (elbow, sign) in [(Elbow::Low, 1.0), (Elbow::High, -1.0)] {
-        let [alpha, beta] =
-            solve(&Scara2::new([3.0, 4.0], [0.0; 2], elbow).unwrap(), 5.0, 0.0).unwrap();
+        let scara = Scara2::new([3.0, 4.0], [0.0; 2], elbow).unwrap();
+        let [alpha, beta] = solve(&scara, 5.0, 0.0).unwrap();
         assert!((beta - sign * PI / 2.0).abs() < 1e-15, "{beta}");
         assert!((alpha + sign * 4_f64.atan2(3.0)).abs() < 1e-15, "{alpha}");
     }
@@ -67,13 +66,12 @@ fn both_arms_point_along_x_when_the_axes_are_at_their_offsets() {
 
 #[test]
 fn refuses_arms_without_length() {
-    let error = Scara2::new([0.25, 0.0], [0.0; 2], Elbow::Low).unwrap_err();
+    let refusal = |arms, offset| Scara2::new(arms, [0.0, offset], Elbow::Low).unwrap_err();
+    let error = refusal([0.25, 0.0], 0.0);
     assert_eq!(error, DimensionError::ArmLength { arm: 1, length: 0.0 });
     assert_eq!(error.to_string(), "arm 2 is 0.000 mm long; it must be longer than 0");
-    let infinite = Scara2::new([f64::INFINITY, 0.2], [0.0; 2], Elbow::Low);
-    assert_eq!(infinite, Err(DimensionError::NotFinite));
-    let lost = Scara2::new([0.25, 0.2], [0.0, f64::NAN], Elbow::Low);
-    assert_eq!(lost, Err(DimensionError::NotFinite));
+    assert_eq!(refusal([f64::INFINITY, 0.2], 0.0), DimensionError::NotFinite);
+    assert_eq!(refusal([0.25, 0.2], f64::NAN), DimensionError::NotFinite);
 }
 
 #[test]
@@ -81,26 +79,20 @@ fn refuses_what_is_no_number_and_the_wrong_number_of_axes() {
     let scara = manual(Elbow::Low);
     let near = AxisVector::zeros(2);
     let pose = Pose::at(0.3, 0.2, 0.0);
-    assert_eq!(
-        scara.inverse(&Pose::at(0.3, f64::NAN, 0.0), &near),
-        Err(KinematicsError::NotFinite)
-    );
-    assert_eq!(scara.inverse(&pose, &axes([0.0, f64::INFINITY])), Err(KinematicsError::NotFinite));
-    assert_eq!(scara.forward(&axes([0.0, f64::NAN])), Err(KinematicsError::NotFinite));
-    assert!(matches!(solve(&scara, f64::NAN, 0.0), Err(KinematicsError::Unreachable { .. })));
-    assert!(matches!(solve(&scara, 1e200, 0.0), Err(KinematicsError::Unreachable { .. })));
+    let lost = KinematicsError::NotFinite;
+    assert_eq!(scara.inverse(&Pose::at(0.3, f64::NAN, 0.0), &near), Err(lost));
+    assert_eq!(scara.inverse(&pose, &axes([0.0, f64::INFINITY])), Err(lost));
+    assert_eq!(scara.forward(&axes([0.0, f64::NAN])), Err(lost));
+    for x in [f64::NAN, 1e200] {
+        assert!(matches!(solve(&scara, x, 0.0), Err(KinematicsError::Unreachable { .. })), "{x}");
+    }
     let count = KinematicsError::AxisCount { given: 3, expected: 2 };
     assert_eq!(scara.inverse(&pose, &AxisVector::zeros(3)), Err(count));
     assert_eq!(scara.forward(&AxisVector::zeros(3)), Err(count));
     let mut tool = ToolMotion::at_rest(pose);
     tool.velocity.x = f64::INFINITY;
-    assert_eq!(scara.inverse_motion(&tool, &near), Err(KinematicsError::NotFinite));
-}
-
-#[test]
-fn does_not_leave_its_plane() {
-    let near = AxisVector::zeros(2);
-    let scara = manual(Elbow::Low);
+    assert_eq!(scara.inverse_motion(&tool, &near), Err(lost));
+    // Nor does it leave its plane.
     assert!(scara.inverse(&Pose::at(0.3, 0.2, 1e-10), &near).is_ok());
     let expected = KinematicsError::NoAxis { coordinate: Coordinate::Z, value: 0.001 };
     assert_eq!(scara.inverse(&Pose::at(0.3, 0.2, 0.001), &near), Err(expected));
@@ -118,10 +110,6 @@ fn equal_arms_fold_onto_the_axis() {
             assert!((solve(&scara, zero, zero).unwrap()[0] - 0.3).abs() < 1e-15);
         }
     }
-}
-
-fn elbows() -> impl Strategy<Value = Elbow> {
-    prop_oneof![Just(Elbow::Low), Just(Elbow::High)]
 }
 
 prop_compose! {

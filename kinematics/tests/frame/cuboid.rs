@@ -12,8 +12,7 @@ fn cuboid(points: Points) -> Result<Cuboid, CuboidError> {
     Cuboid::from_points([a1, a2, a3], [b1, b2], c1)
 }
 
-/// Points on a cuboid as someone before it sees them, in its own frame: corner at the origin, A on top (z = 0), B in
-/// front (y = 0), C on the left (x = 0).
+/// Points on a cuboid in its own frame: corner at the origin, A on top (z = 0), B in front (y = 0), C on the left (x = 0).
 fn probed() -> Points {
     [
         Point3::new(0.02, 0.03, 0.0),
@@ -25,94 +24,74 @@ fn probed() -> Points {
     ]
 }
 
-/// C on the left: the frame is the one in which the points were written down.
+/// C on the left: the frame of the points. C on the right: z still goes up, x along the work to the left, y to the front.
 #[test]
 fn the_work_frame_of_the_sketch() {
-    let found = cuboid(probed()).unwrap();
-    assert!(
-        (found.ab() - Vector3::x()).norm() < 1e-15 && (found.ca() - Vector3::y()).norm() < 1e-15
-    );
-    assert!((found.bc() + Vector3::z()).norm() < 1e-15, "{found:?}");
-    let frame = WorkFrame::from_cuboid(&found);
-    assert!(frame.machine_from_work().rotation.angle() < 1e-15);
-    assert!(frame.machine_from_work().translation.vector.norm() < 1e-16);
-}
-
-/// C on the right: z still goes up, x along the work to the left, y towards someone in front of it.
-#[test]
-fn with_c_on_the_right_the_work_lies_behind_y() {
-    let found = cuboid(probed().map(|point| Point3::new(-point.x, point.y, point.z))).unwrap();
-    let frame = WorkFrame::from_cuboid(&found);
-    for (axis, expected) in
-        [(Vector3::x(), -Vector3::x()), (Vector3::y(), -Vector3::y()), (Vector3::z(), Vector3::z())]
-    {
-        assert!((frame.vector_to_machine(&axis) - expected).norm() < 1e-15, "{frame:?}");
-    }
-    assert!((found.ca() - Vector3::y()).norm() < 1e-15);
-}
-
-#[test]
-fn points_on_a_line_are_error_1() {
-    let points = probed();
-    let between = points[0] + (points[1] - points[0]) * 0.3;
-    let near = between + Vector3::new(1e-8, -1e-8, 3e-8);
-    for third in [between, near, points[0], points[1]] {
-        let mut points = points;
-        points[2] = third;
-        let found = cuboid(points).unwrap_err();
-        assert_eq!((found, found.error_number()), (CuboidError::Collinear, Some(1)));
-    }
-    assert_eq!(cuboid([Point3::new(1.0, 2.0, 3.0); 6]), Err(CuboidError::Collinear));
-}
-
-#[test]
-fn the_same_projection_is_error_2() {
-    let points = probed();
-    for second in [
-        points[3],
-        points[3] + Vector3::new(0.0, 0.0, -0.01),
-        points[3] + Vector3::new(3e-8, 0.0, 0.005),
-    ] {
-        let mut points = points;
-        points[4] = second;
-        let found = cuboid(points).unwrap_err();
-        assert_eq!((found, found.error_number()), (CuboidError::SameProjection, Some(2)));
-    }
-}
-
-/// All of B and C on the edge with A: nothing says what is up.
-#[test]
-fn points_on_the_edges_do_not_tell_the_side() {
-    let mut points = probed();
-    for point in &mut points[3..] {
-        point.z = 0.0;
-    }
-    let found = cuboid(points).unwrap_err();
-    assert_eq!((found, found.error_number()), (CuboidError::NoSide { face: 'A' }, None));
-}
-
-#[test]
-fn what_is_not_finite_is_refused() {
-    for index in 0..6 {
-        for axis in 0..3 {
-            for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-                let mut points = probed();
-                points[index][axis] = value;
-                assert_eq!(cuboid(points), Err(CuboidError::NotFinite));
-            }
+    for side in [1.0, -1.0] {
+        let found = cuboid(probed().map(|at| Point3::new(side * at.x, at.y, at.z))).unwrap();
+        for (edge, expected) in [
+            (found.ab(), Vector3::x() * side),
+            (found.ca(), Vector3::y()),
+            (found.bc(), -Vector3::z()),
+        ] {
+            assert!((edge - expected).norm() < 1e-15, "{found:?}");
+        }
+        let frame = WorkFrame::from_cuboid(&found);
+        assert!(frame.machine_from_work().translation.vector.norm() < 1e-16, "{frame:?}");
+        for (axis, sign) in [(Vector3::x(), side), (Vector3::y(), side), (Vector3::z(), 1.0)] {
+            assert!((frame.vector_to_machine(&axis) - axis * sign).norm() < 1e-15, "{frame:?}");
         }
     }
 }
 
+/// A on a line is error 1, B with one projection error 2; with B and C on the edges of A nothing says what is up.
 #[test]
-fn distances_that_are_not_finite_are_refused() {
+fn degenerate_points_are_refused() {
+    let points = probed();
+    let moved = |index: usize, to: Point3<f64>| {
+        let mut points = points;
+        points[index] = to;
+        points
+    };
+    let between = points[0] + (points[1] - points[0]) * 0.3;
+    let near = between + Vector3::new(1e-8, -1e-8, 3e-8);
+    let same = |x, z| moved(4, points[3] + Vector3::new(x, 0.0, z));
+    let (line, projection) =
+        ((CuboidError::Collinear, Some(1)), (CuboidError::SameProjection, Some(2)));
+    let mut level = points;
+    level[3..].iter_mut().for_each(|point| point.z = 0.0);
+    for (points, expected) in [
+        (moved(2, between), line),
+        (moved(2, near), line),
+        (moved(2, points[0]), line),
+        (moved(2, points[1]), line),
+        ([Point3::new(1.0, 2.0, 3.0); 6], line),
+        (same(0.0, 0.0), projection),
+        (same(0.0, -0.01), projection),
+        (same(3e-8, 0.005), projection),
+        (level, (CuboidError::NoSide { face: 'A' }, None)),
+    ] {
+        let found = cuboid(points).unwrap_err();
+        assert_eq!((found, found.error_number()), expected, "{points:?}");
+    }
+}
+
+#[test]
+fn what_is_not_finite_is_refused() {
+    for number in 0..18 {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut points = probed();
+            points[number / 3][number % 3] = value;
+            assert_eq!(cuboid(points), Err(CuboidError::NotFinite));
+        }
+    }
+    // Nor distances.
     let mut points = probed();
     points[0].x = -1e308;
     points[1].x = 1e308;
     assert_eq!(cuboid(points), Err(CuboidError::NotFinite));
 }
 
-/// What is degenerate does not depend on the unit.
 #[test]
 fn any_scale_will_do() {
     for scale in [1e-300, 1e-100, 1e-6, 1e3, 1e100, 1e300] {
@@ -125,7 +104,6 @@ fn any_scale_will_do() {
 proptest! {
     #![proptest_config(seeded())]
 
-    /// Any points on any cuboid, anywhere: the corner and the edges come back, and the points lie on the faces.
     #[test]
     fn the_corner_and_the_edges_come_back(
         corner in prop::array::uniform3(-2.0..2.0), angles in prop::array::uniform3(-3.0..3.0),

@@ -5,12 +5,40 @@ mod unit_vectors;
 
 use crate::tests::{differences, seeded};
 use crate::{Pose, ToolJerk, ToolMotion, WorkFrame};
-use nalgebra::{Point3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, UnitQuaternion, Vector3, Vector4};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+/// At the origin.
+fn towards(direction: f64) -> Pose {
+    Pose { position: Point3::origin(), direction }
+}
+
 fn direction_of(frame: &WorkFrame, direction: f64) -> f64 {
-    frame.pose_to_machine(&Pose { position: Point3::origin(), direction }).direction
+    frame.pose_to_machine(&towards(direction)).direction
+}
+
+/// Place, velocity and acceleration, each as x, y, z and direction.
+fn rows(motion: &ToolMotion) -> [Vector4<f64>; 3] {
+    [
+        motion.pose.position.coords.push(motion.pose.direction),
+        motion.velocity.push(motion.direction_velocity),
+        motion.acceleration.push(motion.direction_acceleration),
+    ]
+}
+
+fn motion_of([place, velocity, acceleration]: [Vector4<f64>; 3]) -> ToolMotion {
+    ToolMotion {
+        pose: Pose { position: place.xyz().into(), direction: place.w },
+        velocity: velocity.xyz(),
+        acceleration: acceleration.xyz(),
+        direction_velocity: velocity.w,
+        direction_acceleration: acceleration.w,
+    }
+}
+
+fn turned(roll: f64, pitch: f64, yaw: f64) -> WorkFrame {
+    WorkFrame::new(Vector3::zeros(), roll, pitch, yaw)
 }
 
 #[test]
@@ -25,13 +53,8 @@ fn the_identity_changes_nothing() {
 #[test]
 fn a_quarter_turn_and_a_shift() {
     let frame = WorkFrame::new(Vector3::new(10.0, 20.0, 30.0), 0.0, 0.0, FRAC_PI_2);
-    let mut motion =
-        ToolMotion::at_rest(Pose { position: Point3::new(1.0, 2.0, 3.0), direction: 7.0 });
-    motion.velocity = Vector3::x();
-    motion.acceleration = Vector3::y();
-    motion.direction_velocity = 0.5;
-    motion.direction_acceleration = -0.25;
-    let found = frame.motion_to_machine(&motion);
+    let motion = [[1.0, 2.0, 3.0, 7.0], [1.0, 0.0, 0.0, 0.5], [0.0, 1.0, 0.0, -0.25]];
+    let found = frame.motion_to_machine(&motion_of(motion.map(Vector4::from)));
     assert!((found.pose.position - Point3::new(8.0, 21.0, 33.0)).norm() < 1e-14, "{found:?}");
     assert!((found.velocity - Vector3::y()).norm() < 1e-15, "{found:?}");
     assert!((found.acceleration + Vector3::x()).norm() < 1e-15, "{found:?}");
@@ -39,34 +62,25 @@ fn a_quarter_turn_and_a_shift() {
     assert_eq!((found.direction_velocity, found.direction_acceleration), (0.5, -0.25));
 }
 
-/// Turned over about x, then turned by the yaw: East stays at the yaw, North goes to the other side.
+/// Turned over about x, then by the yaw, North goes to the other side; tilted by 60° about y, East looks half as long.
 #[test]
-fn a_frame_upside_down_reverses_directions() {
-    let frame = WorkFrame::new(Vector3::zeros(), PI, 0.0, 0.4);
-    for direction in [0.0, 1.0, -2.0, 5.0] {
-        assert!((direction_of(&frame, direction) - (0.4 - direction)).abs() < 1e-15);
+fn directions_are_seen_from_above() {
+    let (over, tilted) = (turned(PI, 0.0, 0.4), turned(0.0, PI / 3.0, 0.0));
+    let reversed = [0.0, 1.0, -2.0, 5.0].map(|direction| (&over, direction, 0.4 - direction));
+    let shown = [(&tilted, PI / 4.0, 1_f64.atan2(0.5)), (&tilted, 0.0, 0.0)];
+    for (frame, direction, expected) in reversed.into_iter().chain(shown) {
+        let found = direction_of(frame, direction);
+        assert!((found - expected).abs() < 1e-15, "{direction} in {frame:?}: {found}");
     }
-}
-
-/// Tilted by 60° about y, East looks half as long: its component along x halves, North's stays.
-#[test]
-fn a_tilted_frame_shows_directions_from_above() {
-    let frame = WorkFrame::new(Vector3::zeros(), 0.0, PI / 3.0, 0.0);
-    let expected = 1_f64.atan2(0.5);
-    assert!((direction_of(&frame, PI / 4.0) - expected).abs() < 1e-15);
-    assert!(direction_of(&frame, 0.0).abs() < 1e-15);
 }
 
 #[test]
 fn a_direction_straight_down_keeps_the_turn() {
-    let frame = WorkFrame::new(Vector3::zeros(), 0.0, FRAC_PI_2, 0.0);
-    let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 0.0 });
-    motion.direction_velocity = 1.0;
-    let found = frame.motion_to_machine(&motion);
+    let motion = ToolMotion { direction_velocity: 1.0, ..ToolMotion::at_rest(towards(0.0)) };
+    let found = turned(0.0, FRAC_PI_2, 0.0).motion_to_machine(&motion);
     assert!(found.is_finite() && found.pose.direction.abs() <= PI, "{found:?}");
 }
 
-/// With either sign of the quaternion.
 #[test]
 fn placed_is_new() {
     let translation = Vector3::new(0.1, 0.2, 0.3);
@@ -77,8 +91,7 @@ fn placed_is_new() {
         for rotation in [rotation, UnitQuaternion::new_unchecked(-rotation.into_inner())] {
             let found = WorkFrame::placed(rotation, translation);
             for direction in [-7.0, 0.0, 1.0, 20.0] {
-                let (found, expected) =
-                    (direction_of(&found, direction), direction_of(&expected, direction));
+                let [found, expected] = [&found, &expected].map(|it| direction_of(it, direction));
                 assert!((found - expected).abs() < 1e-14, "{found} {expected}");
             }
         }
@@ -90,10 +103,8 @@ fn placed_is_new() {
 fn a_frame_seen_edge_on_turns_on_the_way_back_as_the_work_does() {
     for [roll, pitch] in [[0.0, FRAC_PI_2], [0.0, -FRAC_PI_2], [FRAC_PI_2, 0.0], [-FRAC_PI_2, 0.3]]
     {
-        let frame = WorkFrame::new(Vector3::zeros(), roll, pitch, 0.4);
-        let [seen, further] = [9.0, 9.5].map(|direction| {
-            frame.pose_to_work(&Pose { position: Point3::origin(), direction }).direction
-        });
+        let frame = turned(roll, pitch, 0.4);
+        let [seen, further] = [9.0, 9.5].map(|at| frame.pose_to_work(&towards(at)).direction);
         assert!(((further - seen).abs() - 0.5).abs() < 1e-14, "{seen} {further}");
         assert!((seen.abs() - 9.0).abs() < 2.0 * PI, "{seen}");
     }
@@ -102,11 +113,10 @@ fn a_frame_seen_edge_on_turns_on_the_way_back_as_the_work_does() {
 /// At a point of a frame tilted by 60° about y where all is known: seen (cos d/2, sin d), slope (1/2)/(cos²d/4 + sin²d).
 #[test]
 fn jerk_of_a_steady_turn_in_a_tilted_frame() {
-    let frame = WorkFrame::new(Vector3::zeros(), 0.0, PI / 3.0, 0.0);
+    let frame = turned(0.0, PI / 3.0, 0.0);
     // With g = 1/4 + 3/4·sin²d the slope is 1/(2g); at d = 0: g = 1/4, g′ = 0, g″ = 3/2, so it is 2, its second
     // derivative −g″/(2g²) = −12.
-    let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 0.0 });
-    motion.direction_velocity = 0.5;
+    let motion = ToolMotion { direction_velocity: 0.5, ..ToolMotion::at_rest(towards(0.0)) };
     let given = ToolJerk { linear: Vector3::y(), direction: 0.25 };
     let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
     assert!((linear - Vector3::y()).norm() < 1e-15, "{linear}");
@@ -124,17 +134,10 @@ prop_compose! {
 
 prop_compose! {
     fn motions()(
-        position in prop::array::uniform3(-2.0..2.0), direction in -20.0..20.0,
-        velocity in prop::array::uniform3(-1.0..1.0), acceleration in prop::array::uniform3(-1.0..1.0),
-        direction_velocity in -1.0..1.0, direction_acceleration in -1.0..1.0,
+        place in [-2.0..2.0, -2.0..2.0, -2.0..2.0, -20.0..20.0],
+        velocity in prop::array::uniform4(-1.0..1.0), acceleration in prop::array::uniform4(-1.0..1.0),
     ) -> ToolMotion {
-        ToolMotion {
-            pose: Pose { position: position.into(), direction },
-            velocity: velocity.into(),
-            acceleration: acceleration.into(),
-            direction_velocity,
-            direction_acceleration,
-        }
+        motion_of([place, velocity, acceleration].map(Vector4::from))
     }
 }
 
@@ -169,7 +172,7 @@ proptest! {
     #[test]
     fn directions_keep_their_turns(roll in -1.4..1.4, pitch in -1.4..1.4, flip in any::<bool>(), start in -20.0..20.0) {
         let roll = if flip { roll + PI } else { roll };
-        let frame = WorkFrame::new(Vector3::zeros(), roll, pitch, 0.3);
+        let frame = turned(roll, pitch, 0.3);
         let mut last: f64 = direction_of(&frame, start);
         let first = last;
         for step in 1..=2000 {
@@ -181,8 +184,6 @@ proptest! {
         prop_assert!((last - first - turn).abs() < 1e-11, "{first} {last}");
     }
 
-
-    /// Also in frames only turned about z, and in frames that are tilted almost to the edge.
     #[test]
     fn poses_come_back(
         tilt in prop_oneof![Just(0.0), -PI..PI, 1.5..1.57, -1.57..-1.5], about_y in any::<bool>(),
@@ -196,52 +197,31 @@ proptest! {
         prop_assert!((found.direction - motion.pose.direction).abs() < 4e-14 / tilt.cos().abs(), "{found:?}");
     }
 
-    /// Along a path of third degree, velocity, acceleration and jerk in the machine are the derivatives of what comes
-    /// before them.
+    /// Along a path of third degree each of velocity, acceleration and jerk is the derivative of the one before.
     #[test]
     fn jerk_is_the_derivative_of_the_acceleration(
         frame in tilted(), motion in motions(), jerk in prop::array::uniform3(-1.0..1.0), direction_jerk in -1.0..1.0,
     ) {
-        let jerk = Vector3::from(jerk);
+        let given = ToolJerk { linear: jerk.into(), direction: direction_jerk };
+        let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
+        let ([p, v, a], j) = (rows(&motion), given.linear.push(direction_jerk));
         let at = |t: f64| {
             let (half, sixth) = (t * t / 2.0, t * t * t / 6.0);
-            frame.motion_to_machine(&ToolMotion {
-                pose: Pose {
-                    position: motion.pose.position + motion.velocity * t + motion.acceleration * half + jerk * sixth,
-                    direction: motion.pose.direction
-                        + motion.direction_velocity * t
-                        + motion.direction_acceleration * half
-                        + direction_jerk * sixth,
-                },
-                velocity: motion.velocity + motion.acceleration * t + jerk * half,
-                acceleration: motion.acceleration + jerk * t,
-                direction_velocity: motion.direction_velocity + motion.direction_acceleration * t + direction_jerk * half,
-                direction_acceleration: motion.direction_acceleration + direction_jerk * t,
-            })
+            let moved = [p + v * t + a * half + j * sixth, v + a * t + j * half, a + j * t];
+            rows(&frame.motion_to_machine(&motion_of(moved)))
         };
-        let given = ToolJerk { linear: jerk, direction: direction_jerk };
-        let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
-        let numbers = |t: f64| {
-            let at = at(t);
-            let (p, v, a) = (at.pose.position, at.velocity, at.acceleration);
-            [
-                [p.x, p.y, p.z, at.pose.direction],
-                [v.x, v.y, v.z, at.direction_velocity],
-                [a.x, a.y, a.z, at.direction_acceleration],
-            ]
-        };
-        let [_, velocity, acceleration] = numbers(0.0);
-        let jerk = [linear.x, linear.y, linear.z, direction];
+        let [_, velocity, acceleration] = at(0.0);
+        let jerk = linear.push(direction);
         for (order, found) in [velocity, acceleration, jerk].into_iter().enumerate() {
-            let [first, ..] = differences(|t| numbers(t)[order], 4e-3);
-            for (found, expected) in found.into_iter().zip(first) {
+            let [first, ..] = differences(|t| <[f64; 4]>::from(at(t)[order]), 4e-3);
+            for (found, expected) in found.iter().zip(first) {
                 let within = if order == 0 { 1e-10 } else { 1e-8 };
                 prop_assert!((found - expected).abs() < within * found.abs().max(1.0), "{order}: {found} {expected}");
             }
         }
         // And the second of the one before that.
-        let [_, second, _] = differences(|t| numbers(t)[1], 4e-3);
-        for (found, expected) in jerk.into_iter().zip(second) {
+        let [_, second, _] = differences(|t| <[f64; 4]>::from(at(t)[1]), 4e-3);
+        for (found, expected) in jerk.iter().zip(second) {
             prop_assert!((found - expected).abs() < 1e-8 * found.abs().max(1.0), "{found} {expected}");
         }
         let there = frame.motion_to_machine(&motion).pose;

@@ -41,17 +41,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut length, mut nearest) = (0.0, f64::INFINITY);
     for element in corrected {
         let element = element?;
-        let [start, end] = [element.start(), element.end()].map(|point| point * 1e3);
-        println!(
-            "{}: {:?} from ({:.3}, {:.3}) to ({:.3}, {:.3}) mm, {:.3} mm",
-            element.place,
-            element.kind,
-            start.x,
-            start.y,
-            end.x,
-            end.y,
-            element.length() * 1e3
-        );
+        let [start, end] = [element.start(), element.end()]
+            .map(|point| format!("({:.3}, {:.3})", point.x * 1e3, point.y * 1e3));
+        let (place, kind, mm) = (element.place, element.kind, element.length() * 1e3);
+        println!("{place}: {kind:?} from {start} to {end} mm, {mm:.3} mm");
         if element.kind == ElementKind::Cut {
             length += element.length();
             for part in 0_u32..=20 {
@@ -66,11 +59,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Four sides, and a quarter circle of the tool's radius around each of the three corners between them.
     let expected = 4.0 * SIDE + 3.0 * FRAC_PI_2 * RADIUS;
     println!("cut: {:.3} mm; the tool's centre keeps {:.3} mm", length * 1e3, nearest * 1e3);
-    if (length - expected).abs() > 1e-12 {
-        return Err(format!("{length} m cut instead of {expected} m").into());
-    }
-    if (nearest - RADIUS).abs() > 1e-12 {
-        return Err(format!("{nearest} m from the square instead of {RADIUS} m").into());
+    for (found, expected) in [(length, expected), (nearest, RADIUS)] {
+        if (found - expected).abs() > 1e-12 {
+            return Err(format!("{found} m instead of {expected} m").into());
+        }
     }
     Ok(())
 }

@@ -3,24 +3,10 @@
 #![expect(clippy::float_cmp, reason = "exact at the ends, or halves")]
 
 use super::*;
-use crate::{AxisMask, Cubic, Details, Ellipse, EllipseError, ExtraAxes};
-use nalgebra::{Point2, Vector2};
+use crate::EllipseError;
 
 fn mm(x: f64, y: f64) -> Point3<f64> {
     Point3::new(x, y, 0.0) / 1e3
-}
-
-fn ellipse(ellipse: Ellipse) -> Shape {
-    Shape::Ellipse(Box::new(ellipse))
-}
-
-fn cubic(cubic: Cubic) -> Shape {
-    Shape::Cubic(Box::new(cubic))
-}
-
-#[track_caller]
-fn near(found: f64, expected: f64) {
-    assert!((found - expected).abs() < 1e-8, "{found}, expected {expected}");
 }
 
 #[test]
@@ -41,9 +27,8 @@ fn ellipses_that_cannot_be() {
 /// A full turn has the circumference of Ramanujan's second formula, here exact to 1e-9 of it.
 #[test]
 fn a_whole_ellipse() {
-    let made =
-        Ellipse::through(mm(30.0, 0.0), mm(30.0, 0.0), Point2::origin(), 0.0, Some(0.8), true)
-            .unwrap();
+    let (end, center) = (mm(30.0, 0.0), Point2::origin());
+    let made = Ellipse::through(end, end, center, 0.0, Some(0.8), true).unwrap();
     near(made.sweep(), -TAU);
     let (a, b) = (30.0, 24.0);
     let h = (6.0_f64 / (a + b)).powi(2);
@@ -57,20 +42,17 @@ fn curves_without_length_and_with_cusps_stay_finite() {
     let still = Cubic::parabola(point, point.xy(), point);
     let cusp = Cubic::hermite(mm(0.0, 0.0), mm(10.0, 0.0), Vector2::zeros(), Vector2::zeros());
     let there_and_back = Cubic::parabola(mm(0.0, 0.0), Point2::new(0.02, 0.0), mm(0.0, 0.0));
-    let flat = Ellipse::new(
-        mm(10.0, 0.0),
-        mm(-10.0, 0.0),
-        Point2::origin(),
-        Vector2::x() / 100.0,
-        0.0,
-        PI,
-    );
+    let (ends, major) = ([mm(10.0, 0.0), mm(-10.0, 0.0)], Vector2::x() / 100.0);
+    let flat = Ellipse::new(ends[0], ends[1], Point2::origin(), major, 0.0, PI);
     let upright = Cubic::hermite(point, point + Vector3::z(), Vector2::zeros(), Vector2::zeros());
-    near(cusp.length(), 0.01);
-    near(there_and_back.length(), 0.02);
-    near(flat.length(), 0.02);
-    near(upright.length(), 1.0);
-    for shape in [cubic(still), cubic(cusp), cubic(there_and_back), ellipse(flat), cubic(upright)] {
+    for (shape, length) in [
+        (cubic(still), 0.0),
+        (cubic(cusp), 0.01),
+        (cubic(there_and_back), 0.02),
+        (ellipse(flat), 0.02),
+        (cubic(upright), 1.0),
+    ] {
+        near(shape.length(), length);
         for part in [0.0, 1e-12, 0.3, 0.5, 0.7, 1.0 - 1e-12, 1.0] {
             let at = shape.at(part * shape.length());
             let numbers = [at.position.coords, at.tangent, at.curvature, at.curvature_rate];
@@ -80,83 +62,31 @@ fn curves_without_length_and_with_cusps_stay_finite() {
     }
 }
 
-/// The axis of vector `cnc-S-profile`.
-#[test]
-fn extra_axes_go_along() {
-    let mut element =
-        PathElement::new(Place::default(), ElementKind::Cut, line([0.0; 3], [100.0, 0.0, 0.0]));
-    assert!(element.extra_at(0.0).is_none());
-    let extra = Some(ExtraAxes { start: [0.0; 5], end: [40.0, 0.0, 0.0, 0.0, 0.0] });
-    let s_profile = AxisMask::from_s_number(7).unwrap();
-    element.details = Some(Box::new(Details { extra, s_profile, ..Details::default() }));
-    for end in [0.0, 0.1] {
-        let at = element.extra_at(end).unwrap();
-        assert_eq!((at.first[0], at.second[0]), (0.0, 0.0));
-    }
-    // Derivatives are those of the polynomial.
-    let h = 1e-5;
-    let [before, here, after] = [0.03 - h, 0.03, 0.03 + h].map(|s| element.extra_at(s).unwrap());
-    let slope = (after.position[0] - before.position[0]) / (2.0 * h);
-    assert!((slope - here.first[0]).abs() < 1e-4 * slope.abs());
-    let bend = (after.first[0] - before.first[0]) / (2.0 * h);
-    assert!((bend - here.second[0]).abs() < 1e-4 * bend.abs());
-}
-
 #[test]
 fn extra_axes_alone_have_a_length_of_their_own() {
-    let mut element =
-        PathElement::new(Place::default(), ElementKind::Cut, line([0.0; 3], [0.0; 3]));
-    let extra = ExtraAxes { start: [0.0; 5], end: [3.0, 0.0, 4.0, 0.0, 0.0] };
-    element.details = Some(Box::new(Details { extra: Some(extra), ..Details::default() }));
+    let extra = Some(ExtraAxes { start: [0.0; 5], end: [3.0, 0.0, 4.0, 0.0, 0.0] });
+    let element = detailed(line([0.0; 3], [0.0; 3]), Details { extra, ..Details::default() });
     near(element.length(), 0.005);
     let middle = element.extra_at(0.0025).unwrap();
     assert_eq!(middle.position, [1.5, 0.0, 2.0, 0.0, 0.0]);
     assert_eq!(element.start_tangent(), Vector3::zeros());
 }
 
-/// Z with the S profile leaves and arrives level.
-#[test]
-fn z_with_the_s_profile() {
-    let mut element =
-        PathElement::new(Place::default(), ElementKind::Cut, line([0.0; 3], [40.0, 0.0, 30.0]));
-    element.details = Some(Box::new(Details { s_profile: AxisMask::Z, ..Details::default() }));
-    assert_eq!(element.start_tangent().z, 0.0);
-    assert_eq!(element.end_tangent().z, 0.0);
-    near(element.at(0.0125).position.z * 1e3, 30.0 * 0.103_515_625);
-    near(element.at(0.05).position.z * 1e3, 30.0);
-}
-
 fn curves() -> impl Strategy<Value = Shape> {
-    let point = || [-0.3..0.3, -0.3..0.3, -0.1..0.1_f64].prop_map(Point3::from);
-    let vector = || [-0.5..0.5, -0.5..0.5_f64].prop_map(Vector2::from);
-    let arcs = (point(), 0.01..0.3, 0.05..1.0, -PI..PI, -PI..PI, -TAU..TAU, -0.1..0.1)
-        .prop_filter_map(
-            "turns",
-            |(center, a, ratio, direction, from, sweep, rise): (
-                Point3<f64>,
-                f64,
-                f64,
-                f64,
-                f64,
-                f64,
-                f64,
-            )| {
-                let (major, minor) =
-                    (Vector2::new(f64::cos(direction), f64::sin(direction)) * a, a * ratio);
-                let side = Vector2::new(-major.y, major.x) * ratio;
-                let on = |angle: f64, z| {
-                    let flat = center.xy() + major * angle.cos() + side * angle.sin();
-                    Point3::new(flat.x, flat.y, z)
-                };
-                (sweep.abs() > 0.05).then(|| {
-                    let (start, end) = (on(from, center.z), on(from + sweep, center.z + rise));
-                    ellipse(Ellipse::new(start, end, center.xy(), major, minor, sweep))
-                })
-            },
-        );
-    let cubics = (point(), point(), vector(), vector())
-        .prop_map(|(start, end, from, to)| cubic(Cubic::hermite(start, end, from, to)));
-    prop_oneof![arcs, cubics]
+    let center = [-0.3..0.3, -0.3..0.3, -0.1..0.1_f64].prop_map(Point3::from);
+    let sweep = (-TAU..TAU).prop_filter("turns", |sweep| sweep.abs() > 0.05);
+    let arcs = (center, 0.01..0.3_f64, 0.05..1.0_f64, -PI..PI, -PI..PI, sweep, -0.1..0.1_f64)
+        .prop_map(|(center, a, ratio, direction, from, sweep, rise)| {
+            let major = Vector2::new(f64::cos(direction), f64::sin(direction)) * a;
+            let side = Vector2::new(-major.y, major.x) * ratio;
+            let on = |angle: f64, z| {
+                let flat = center.xy() + major * angle.cos() + side * angle.sin();
+                Point3::from(flat.coords.push(z))
+            };
+            let (start, end) = (on(from, center.z), on(from + sweep, center.z + rise));
+            ellipse(Ellipse::new(start, end, center.xy(), major, a * ratio, sweep))
+        });
+    prop_oneof![arcs, cubics()]
 }
 
 proptest! {

@@ -2,41 +2,31 @@
 
 use super::*;
 use crate::{
-    Chords, Cubic, Details, ExtraAxes, Linearise, MapPath, Marks, OperationError, Plane,
-    ProbeOutcome, Probing, Similarity, SplitAt, Switch, reversed,
+    Chords, Linearise, MapPath, Marks, OperationError, Plane, ProbeOutcome, Probing, Similarity,
+    SplitAt, Switch, reversed,
 };
-use nalgebra::{Point2, Rotation2, Vector2};
+use nalgebra::Rotation2;
 
-fn element(shape: Shape) -> PathElement {
-    PathElement::new(Place { line: 3, block: Some(30) }, ElementKind::Cut, shape)
-}
-
-fn with_switches(mut element: PathElement, at: &[f64]) -> PathElement {
+fn with_switches(shape: Shape, at: &[f64]) -> PathElement {
     let mut details = Details::default();
     for (number, at) in (1..).zip(at) {
         assert!(details.switches.add(Switch { number, on: true, at: *at }));
     }
-    element.details = Some(Box::new(details));
-    element
+    detailed(shape, details)
 }
 
 fn quarter() -> PathElement {
     element(arc([10.0, 0.0, 0.0], [0.0, 10.0, 0.0], [0.0, 0.0], FRAC_PI_2))
 }
 
-#[track_caller]
-fn assert_mm(found: Point3<f64>, x: f64, y: f64) {
-    assert!((found * 1e3 - Point3::new(x, y, 0.0)).norm() < 1e-8, "{found}, expected {x} {y}");
-}
-
 /// Vector `cnc-split`; switches go with their part.
 #[test]
 fn split() {
-    let whole = element(line([0.0, 30.0, 0.0], [40.0, 50.0, 0.0]));
+    let whole = line([0.0, 30.0, 0.0], [40.0, 50.0, 0.0]);
     let [first, second] = with_switches(whole, &[0.1, 0.5, 0.75]).split(0.5).unwrap();
-    assert_mm(first.end(), 20.0, 40.0);
+    assert_mm(first.end(), 20.0, 40.0, 0.0);
     assert_eq!(first.end(), second.start());
-    assert_mm(second.end(), 40.0, 50.0);
+    assert_mm(second.end(), 40.0, 50.0, 0.0);
     let at = |element: &PathElement| {
         element.switches().iter().map(|s| (s.number, s.at)).collect::<Vec<_>>()
     };
@@ -61,69 +51,61 @@ fn factors_that_scale_nothing() {
 fn extra_axes_are_moved() {
     let by = [10.0, 0.0, -2.5, 0.0, 1.0];
     let there = Similarity::translation(Vector3::new(0.001, 0.0, 0.0)).with_extra_axes(by);
-    let mut turning = quarter();
-    let extra = ExtraAxes { start: [1.0, 2.0, 3.0, 4.0, 5.0], end: [0.0; 5] };
-    turning.details = Some(Box::new(Details { extra: Some(extra), ..Details::default() }));
+    let extra = Some(ExtraAxes { start: [1.0, 2.0, 3.0, 4.0, 5.0], end: [0.0; 5] });
+    let turning = detailed(quarter().shape, Details { extra, ..Details::default() });
     let moved = there.element(&turning).unwrap();
-    assert_mm(moved.start(), 11.0, 0.0);
+    assert_mm(moved.start(), 11.0, 0.0, 0.0);
     let expected = ExtraAxes { start: [11.0, 2.0, 0.5, 4.0, 6.0], end: by };
     assert_eq!(moved.extra(), Some(&expected));
     assert_eq!(there.element(&quarter()).unwrap().extra(), Some(&ExtraAxes { start: by, end: by }));
     // Turned, scaled and moved back, they are where they were.
     let back = Similarity::rotation(1.0).with_extra_axes(by.map(|value| -value));
     let all = there.then(&Similarity::scaling(2.0).unwrap()).then(&back);
-    assert_eq!(all.element(&turning).unwrap().extra(), Some(&extra));
+    assert_eq!(all.element(&turning).unwrap().extra(), extra.as_ref());
     assert_eq!(all.element(&quarter()).unwrap().details, None);
 }
 
 #[test]
 fn upright_arcs_are_not_turned() {
-    let upright = element(Shape::Arc(Arc::in_plane(
-        Plane::Zx,
-        Point3::origin(),
-        Point3::new(0.02, 0.0, 0.0),
-        Point3::new(0.01, 0.0, 0.0),
-        PI,
-    )));
+    let [start, center, end] = [0.0, 0.01, 0.02].map(|x| Point3::new(x, 0.0, 0.0));
+    let upright = element(Shape::Arc(Arc::in_plane(Plane::Zx, start, end, center, PI)));
     let turned = Similarity::rotation(0.1).element(&upright);
     assert_eq!(turned, Err(OperationError::UprightArc(upright.place)));
     let moved = Similarity::translation(Vector3::new(0.0, 0.0, 1.0)).element(&upright).unwrap();
     assert_eq!(moved.start(), Point3::new(0.0, 0.0, 1.0));
     // Z to X: at the middle it is above or below, not at the side.
-    assert!((upright.at(upright.length() / 2.0).position.z.abs() - 0.01).abs() < 1e-12);
-    assert!(upright.at(upright.length() / 2.0).position.y.abs() < 1e-12);
+    let middle = upright.at(upright.length() / 2.0).position;
+    assert!((middle.z.abs() - 0.01).abs() < 1e-12 && middle.y.abs() < 1e-12, "{middle}");
 }
 
 /// Sections stay active along each element on the way back; left becomes right.
 #[test]
 fn marks_on_the_way_back() {
-    let mut path: Vec<_> = (0..5)
-        .map(|x| element(line([f64::from(x), 0.0, 0.0], [f64::from(x + 1), 0.0, 0.0])))
-        .collect();
+    let step = |x: f64| element(line([x, 0.0, 0.0], [x + 1.0, 0.0, 0.0]));
+    let mut path = [0.0, 1.0, 2.0, 3.0, 4.0].map(step);
     path[1].marks = Marks::CORRECTION_LEFT.with(Marks::LOOPS);
     path[2].marks = Marks::LOOPS_END;
     path[3].marks = Marks::CORRECTION_END;
     let back = reversed(&path);
     let marks: Vec<_> = back.iter().map(|element| element.marks).collect();
-    assert_eq!(
-        marks,
-        [
-            Marks::default(),
-            Marks::CORRECTION_RIGHT,
-            Marks::LOOPS,
-            Marks::CORRECTION_END.with(Marks::LOOPS_END),
-            Marks::default(),
-        ]
-    );
+    let (none, ends) = (Marks::default(), Marks::CORRECTION_END.with(Marks::LOOPS_END));
+    assert_eq!(marks, [none, Marks::CORRECTION_RIGHT, Marks::LOOPS, ends, none]);
     assert_eq!(reversed(&back), path);
 }
 
-type Path = Vec<Result<PathElement, OperationError>>;
+type Item = Result<PathElement, OperationError>;
+
+fn stream<const N: usize>(elements: [PathElement; N]) -> impl Iterator<Item = Item> {
+    elements.into_iter().map(Ok)
+}
+
+fn all(stream: impl Iterator<Item = Item>) -> Vec<PathElement> {
+    stream.collect::<Result<_, _>>().unwrap()
+}
 
 #[test]
 fn one_element_of_a_stream_is_split() {
-    let path: Path = vec![Ok(quarter()), Ok(quarter()), Ok(quarter())];
-    let split: Vec<_> = SplitAt::new(path.into_iter(), 1, 0.25).collect::<Result<_, _>>().unwrap();
+    let split = all(SplitAt::new(stream([quarter(), quarter(), quarter()]), 1, 0.25));
     assert_eq!(split.len(), 4);
     assert_eq!((&split[0], &split[3]), (&quarter(), &quarter()));
     assert!((split[1].length() - 0.25 * quarter().length()).abs() < 1e-15);
@@ -131,47 +113,35 @@ fn one_element_of_a_stream_is_split() {
 
 #[test]
 fn a_stream_is_mapped_and_says_what_cannot_be() {
-    let path: Path = vec![Ok(quarter()), Err(OperationError::Factor(0.0))];
-    let mapped: Path = MapPath::new(path.into_iter(), Similarity::rotation(PI)).collect();
-    assert_mm(mapped[0].as_ref().unwrap().start(), -10.0, 0.0);
+    let path = [Ok(quarter()), Err(OperationError::Factor(0.0))].into_iter();
+    let mapped: Vec<_> = MapPath::new(path, Similarity::rotation(PI)).collect();
+    assert_mm(mapped[0].as_ref().unwrap().start(), -10.0, 0.0, 0.0);
     assert!(mapped[1].is_err());
 }
 
 #[test]
 fn lines_by_length() {
-    let curve = element(Shape::Cubic(Box::new(Cubic::parabola(
-        Point3::origin(),
-        Point2::new(0.05, 0.1),
-        Point3::new(0.1, 0.0, 0.0),
-    ))));
-    let path: Path = vec![Ok(with_switches(curve, &[0.5])), Ok(quarter())];
-    let lines: Vec<_> =
-        Linearise::new(path.into_iter(), Chords::Length(0.01)).collect::<Result<_, _>>().unwrap();
+    let (start, end) = (Point3::origin(), Point3::new(0.1, 0.0, 0.0));
+    let curve = cubic(Cubic::parabola(start, Point2::new(0.05, 0.1), end));
+    let path = stream([with_switches(curve, &[0.5]), quarter()]);
+    let lines = all(Linearise::new(path, Chords::Length(0.01)));
     // 147.9 mm in pieces of at most 10 mm, and the arc as it was.
     assert_eq!(lines.len(), 16);
     assert!(matches!(lines[15].shape, Shape::Arc(_)));
     assert_eq!(lines.iter().map(|line| line.switches().len()).sum::<usize>(), 1);
     assert_eq!(lines[7].switches().len(), 1);
-    let path: Path = vec![Ok(quarter())];
-    let arcs = Linearise::new(path.into_iter(), Chords::Length(0.005)).with_arcs();
+    let arcs = Linearise::new(stream([quarter()]), Chords::Length(0.005)).with_arcs();
     assert_eq!(arcs.count(), 4);
 }
 
 fn shapes_and_curves() -> impl Strategy<Value = Shape> {
-    let point = || [-0.3..0.3, -0.3..0.3, -0.1..0.1_f64].prop_map(Point3::from);
-    let vector = || [-0.5..0.5, -0.5..0.5_f64].prop_map(Vector2::from);
-    let cubics = (point(), point(), vector(), vector()).prop_map(|(start, end, from, to)| {
-        Shape::Cubic(Box::new(Cubic::hermite(start, end, from, to)))
-    });
-    prop_oneof![shapes(), cubics]
+    prop_oneof![shapes(), cubics()]
 }
 
 /// The farthest that two shapes are apart at equal parts of their lengths.
 fn apart(a: &Shape, b: &Shape) -> f64 {
-    (0..=20)
-        .map(|step| f64::from(step) / 20.0)
-        .map(|part| (a.at(part * a.length()).position - b.at(part * b.length()).position).norm())
-        .fold(0.0, f64::max)
+    let at = |shape: &Shape, step: i32| shape.at(f64::from(step) / 20.0 * shape.length()).position;
+    (0..=20).map(|step| (at(a, step) - at(b, step)).norm()).fold(0.0, f64::max)
 }
 
 proptest! {
@@ -225,11 +195,7 @@ proptest! {
     #[test]
     fn lines_end_on_the_curve_and_turn_little(shape in shapes_and_curves(), degrees in 2.0..20.0) {
         let limit = f64::to_radians(degrees);
-        let path: Path = vec![Ok(element(shape.clone()))];
-        let lines: Vec<_> = Linearise::new(path.into_iter(), Chords::Angle(limit))
-            .with_arcs()
-            .collect::<Result<_, _>>()
-            .unwrap();
+        let lines = all(Linearise::new(stream([element(shape.clone())]), Chords::Angle(limit)).with_arcs());
         prop_assert_eq!(lines[0].start(), shape.start());
         prop_assert_eq!(lines[lines.len() - 1].end(), shape.end());
         let mut s = 0.0;
@@ -256,20 +222,14 @@ fn probing_moves() {
     assert_eq!((probe.reversed().kind, probe.length()), (kind, 0.005));
     let (zero, down) = (Point3::origin(), Point3::new(0.0, 0.0, -5.0));
     assert_eq!(ends(&probe.reversed()), (down, zero));
-    let path = || vec![Ok::<_, OperationError>(probe.clone())].into_iter();
-    let same: Vec<_> = Linearise::new(path(), Chords::Length(1e-3)).with_arcs().collect();
-    assert_eq!(same, [Ok(probe.clone())]);
-    let moved: Vec<_> =
-        MapPath::new(path(), Similarity::translation(Vector3::new(0.0, 0.0, 5e-3))).collect();
-    let [Ok(moved)] = &moved[..] else { panic!("{moved:?}") };
+    let path = || stream([probe.clone()]);
+    let chords = Linearise::new(path(), Chords::Length(1e-3)).with_arcs();
+    assert_eq!(all(chords), [probe.clone()]);
+    let moved = all(MapPath::new(path(), Similarity::translation(Vector3::z() * 5e-3)));
+    let [moved] = &moved[..] else { panic!("{moved:?}") };
     assert_eq!((moved.kind, moved.end()), (kind, zero));
-    let place = probe.place;
-    let split: Vec<_> = SplitAt::new(path(), 0, 0.5).collect();
-    assert_eq!(split, [Err(OperationError::SplitProbe(place))]);
-    assert_eq!(
-        split[0].clone().unwrap_err().to_string(),
-        "line 3 (N30): a probing move cannot be split"
-    );
-    let other: Vec<_> = SplitAt::new(path(), 1, 0.5).collect();
-    assert_eq!(other, [Ok(probe.clone())]);
+    let refused = OperationError::SplitProbe(probe.place);
+    assert_eq!(SplitAt::new(path(), 0, 0.5).collect::<Vec<_>>(), [Err(refused)]);
+    assert_eq!(refused.to_string(), "line 3 (N30): a probing move cannot be split");
+    assert_eq!(all(SplitAt::new(path(), 1, 0.5)), [probe.clone()]);
 }

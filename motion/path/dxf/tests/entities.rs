@@ -26,8 +26,7 @@ fn mirrored_entities() {
     assert!(matches!(&arc, Shape::Arc(arc) if arc.sweep() < 0.0));
     assert_at(&arc, 0.0, [-15.0, 0.0, -1.0]);
     assert_at(&arc, 1.0, [-10.0, 5.0, -1.0]);
-    let half = format!("LWPOLYLINE 90 2 70 0 10 0 20 0 42 1 10 10 20 0 230 {}", -1);
-    let half = only(&half);
+    let half = only("LWPOLYLINE 90 2 70 0 10 0 20 0 42 1 10 10 20 0 230 -1");
     assert_at(&half, 1.0, [-10.0, 0.0, 0.0]);
     assert_at(&half, 0.5, [-5.0, -5.0, 0.0]);
     // The end points of a line are what they are.
@@ -41,10 +40,8 @@ fn bulges() {
     assert_close(half.length() * 1e3, 5.0 * PI);
     assert_at(&half, 0.5, [5.0, -5.0, 7.0]);
     let quarter = only("LWPOLYLINE 90 2 70 0 10 10 20 0 42 -0.41421356237309503 10 0 20 10");
-    assert_at(&quarter, 0.5, {
-        let middle = 10.0 - 5.0 * 2_f64.sqrt();
-        [middle, middle, 0.0]
-    });
+    let middle = 10.0 - 5.0 * 2_f64.sqrt();
+    assert_at(&quarter, 0.5, [middle, middle, 0.0]);
     let text = drawing(&["LWPOLYLINE 90 3 70 1 10 0 20 0 10 10 20 0 42 0.5 10 10 20 10"]);
     let shapes = cuts(&imported(&text));
     assert_eq!(shapes.len(), 3);
@@ -53,10 +50,9 @@ fn bulges() {
 
 #[test]
 fn old_polylines() {
-    let vertices = "VERTEX 8 0 10 0 20 0 42 1";
     let text = drawing(&[
         "POLYLINE 8 0 66 1 10 0 20 0 30 2 70 1",
-        vertices,
+        "VERTEX 8 0 10 0 20 0 42 1",
         "VERTEX 8 0 10 10 20 0",
         "SEQEND",
         "POLYLINE 66 1 70 8",
@@ -105,15 +101,11 @@ fn splines() {
         imported(&drawing(&[&format!("SPLINE {head} {} {POINTS}", knots.join(" "))]))
     };
     let length = |import: &Import| cuts(import).iter().map(PathElement::length).sum::<f64>() * 1e3;
-    let near = |import: &Import, mm: [f64; 2]| {
-        let point = Point3::new(mm[0], mm[1], 0.0) / 1e3;
-        let samples = cuts(import);
-        samples
-            .iter()
-            .flat_map(|e| {
-                (0..=20_000).map(|i| e.shape.at(e.length() * f64::from(i) / 2e4).position)
-            })
-            .any(|position| (position - point).norm() < 2e-6)
+    let near = |import: &Import, [x, y]: [f64; 2]| {
+        let point = Point3::new(x, y, 0.0) / 1e3;
+        let at = |e: &PathElement, i: i32| e.shape.at(e.length() * f64::from(i) / 2e4).position;
+        let is_near = |e: &PathElement| (0..=20_000).any(|i| (at(e, i) - point).norm() < 2e-6);
+        cuts(import).iter().any(is_near)
     };
     let cubic = spline("71 3", "0 0 0 0 1 2.5 4 4 4 4");
     assert_eq!(cubic.notes, []);
@@ -166,29 +158,31 @@ fn splines_that_make_no_sense() {
         "SPLINE 71 3 11 0 21 0 31 0 11 1 21 1 31 0",
         "SPLINE 71 1 40 0 40 0 40 1 40 1 41 1 41 -1 10 0 20 0 30 0 10 1 20 1 30 0",
     ]));
-    assert_eq!(
-        notes(&import),
-        [("SPLINE", Reason::NotUnderstood, 1), ("SPLINE", Reason::Degenerate, 2)]
-    );
+    let expected = [("SPLINE", Reason::NotUnderstood, 1), ("SPLINE", Reason::Degenerate, 2)];
+    assert_eq!(notes(&import), expected);
 }
 
-/// A block with an arc around its base point (5, 0), inserted twice as large, turned by 90°, at (100, 0); and one that
-/// inserts it flattened, in a row of three.
+/// A block with an arc around its base point (5, 0); and one that inserts it flattened, in a row of three.
 #[test]
 fn inserted_blocks() {
-    let blocks: [&[&str]; 2] = [
-        &["BLOCK 2 A 70 0 10 5 20 0", "ARC 8 0 10 5 20 0 40 1 50 0 51 90", "TEXT 1 x"],
-        &["BLOCK 2 B 70 0 10 0 20 0", "INSERT 8 0 2 a 10 0 20 0 42 0.5 70 3 44 10"],
+    let blocks = [
+        "BLOCK 2 A 70 0 10 5 20 0",
+        "ARC 8 0 10 5 20 0 40 1 50 0 51 90",
+        "TEXT 1 x",
+        "ENDBLK",
+        "BLOCK 2 B 70 0 10 0 20 0",
+        "INSERT 8 0 2 a 10 0 20 0 42 0.5 70 3 44 10",
+        "ENDBLK",
     ];
-    let once =
-        imported(&full_drawing("", &blocks, &["INSERT 8 0 2 A 10 100 20 0 41 2 42 2 43 2 50 90"]));
+    let inserted = |entity| imported(&full_drawing("", &blocks, &[entity]));
+    let once = inserted("INSERT 8 0 2 A 10 100 20 0 41 2 42 2 43 2 50 90");
     let shapes = cuts(&once);
     assert!(matches!(&shapes[0].shape, Shape::Arc(arc) if (arc.radius() - 2e-3).abs() < 1e-15));
     assert_at(&shapes[0].shape, 0.0, [100.0, 2.0, 0.0]);
     assert_at(&shapes[0].shape, 1.0, [98.0, 0.0, 0.0]);
     assert_eq!(notes(&once), [("TEXT", Reason::NotUnderstood, 1)]);
 
-    let nested = imported(&full_drawing("", &blocks, &["INSERT 8 0 2 B 10 0 20 50"]));
+    let nested = inserted("INSERT 8 0 2 B 10 0 20 50");
     let shapes = cuts(&nested);
     assert_eq!(shapes.len(), 3);
     for (index, element) in (0..3).zip(&shapes) {
@@ -198,7 +192,7 @@ fn inserted_blocks() {
     }
     assert_eq!(notes(&nested), [("TEXT", Reason::NotUnderstood, 3)]);
     // Mirrored by a negative scale: the arc turns the other way.
-    let mirrored = imported(&full_drawing("", &blocks, &["INSERT 8 0 2 A 10 0 20 0 41 -1"]));
+    let mirrored = inserted("INSERT 8 0 2 A 10 0 20 0 41 -1");
     assert!(matches!(&cuts(&mirrored)[0].shape, Shape::Arc(arc) if arc.sweep() < 0.0));
     assert_at(&cuts(&mirrored)[0].shape, 0.0, [-1.0, 0.0, 0.0]);
 }
@@ -207,7 +201,7 @@ fn inserted_blocks() {
 fn what_is_hidden_is_left_out() {
     let tables = "0\nLAYER\n2\nIce\n70\n1\n62\n7\n0\nLAYER\n2\nDark\n70\n0\n62\n-7\n\
         0\nLAYER\n2\nSeen\n70\n0\n62\n7\n";
-    let blocks: [&[&str]; 1] = [&["BLOCK 2 A 70 0 10 0 20 0", "LINE 8 0 10 0 20 0 11 1 21 0"]];
+    let blocks = ["BLOCK 2 A 70 0 10 0 20 0", "LINE 8 0 10 0 20 0 11 1 21 0", "ENDBLK"];
     let import = imported(&full_drawing(
         tables,
         &blocks,
@@ -241,16 +235,13 @@ fn what_is_hidden_is_left_out() {
 
 #[test]
 fn units() {
-    for (number, metres) in [(1, 0.0254), (4, 0.001), (5, 0.01), (6, 1.0), (13, 1e-6)] {
-        let text =
-            drawing(&["LINE 10 0 20 0 11 2 21 0"]).replace("70\n4\n", &format!("70\n{number}\n"));
-        let import = imported(&text);
-        assert!(import.unit_known);
-        assert!((cuts(&import)[0].length() - 2.0 * metres).abs() < 1e-15);
-    }
-    let text = drawing(&["LINE 10 0 20 0 11 2 21 0"]).replace("70\n4\n", "70\n0\n");
     let options = ImportOptions { default_unit: 0.0254, ..ImportOptions::default() };
-    let import = import(text.as_bytes(), &options).unwrap();
-    assert!(!import.unit_known);
-    assert!((cuts(&import)[0].length() - 0.0508).abs() < 1e-15);
+    for (number, metres) in [(0, 0.0254), (1, 0.0254), (4, 0.001), (5, 0.01), (6, 1.0), (13, 1e-6)]
+    {
+        let text = drawing(&["LINE 10 0 20 0 11 2 21 0"]);
+        let text = text.replace("70\n4\n", &format!("70\n{number}\n"));
+        let import = import(text.as_bytes(), &options).unwrap();
+        assert_eq!(import.unit_known, number != 0, "{number}");
+        assert!((cuts(&import)[0].length() - 2.0 * metres).abs() < 1e-15, "{number}");
+    }
 }

@@ -25,11 +25,9 @@ fn entities_that_cannot_be_read_are_no_silent_end() {
         "LINE 10 zero 20 0 11 1 21 0",
         "LINE 10 0 20 0 11 1 21 0",
     ]);
-    let error = error(&text);
-    assert!(
-        matches!(error, DxfReadError::Incomplete { .. } | DxfReadError::Entities(_)),
-        "{error:?}"
-    );
+    let (DxfReadError::Incomplete { .. } | DxfReadError::Entities(_)) = error(&text) else {
+        panic!("{:?}", error(&text));
+    };
 }
 
 #[test]
@@ -45,21 +43,15 @@ fn limits() {
     assert!(matches!(with(less, &text), Err(DxfReadError::TooLarge(_))));
 
     // Ten blocks, each inserting the one before a thousand times.
-    let mut blocks = vec![vec!["BLOCK 2 B0 70 0 10 0 20 0".to_owned(), line.to_owned()]];
-    for n in 1..10 {
-        blocks.push(vec![
-            format!("BLOCK 2 B{n} 70 0 10 0 20 0"),
-            format!("INSERT 8 0 2 B{} 10 0 20 0 70 1000", n - 1),
-        ]);
-    }
-    let blocks: Vec<Vec<&str>> =
-        blocks.iter().map(|block| block.iter().map(String::as_str).collect()).collect();
-    let blocks: Vec<&[&str]> = blocks.iter().map(Vec::as_slice).collect();
-    let bomb = full_drawing("", &blocks, &["INSERT 8 0 2 B9 10 0 20 0"]);
+    let more = (1..10).map(|n| (n, format!("INSERT 8 0 2 B{} 10 0 20 0 70 1000", n - 1)));
+    let blocks = [(0, line.to_owned())].into_iter().chain(more);
+    let block = |(n, entity)| format!("BLOCK 2 B{n} 70 0 10 0 20 0 0 {entity} 0 ENDBLK");
+    let blocks = blocks.map(block).collect::<Vec<_>>().join(" 0 ");
+    let bomb = full_drawing("", &[&blocks], &["INSERT 8 0 2 B9 10 0 20 0"]);
     let few = Limits { pieces: 10_000, ..Limits::default() };
     assert!(matches!(with(few, &bomb), Err(DxfReadError::TooMany(10_000))));
 
-    let circle: [&[&str]; 1] = [&["BLOCK 2 A 70 0 10 0 20 0", "INSERT 8 0 2 A 10 0 20 0"]];
+    let circle = ["BLOCK 2 A 70 0 10 0 20 0", "INSERT 8 0 2 A 10 0 20 0", "ENDBLK"];
     let endless = full_drawing("", &circle, &["INSERT 8 0 2 A 10 0 20 0"]);
     assert!(matches!(with(few, &endless), Err(DxfReadError::TooDeep { .. })));
 
@@ -68,14 +60,13 @@ fn limits() {
 }
 
 proptest! {
-    /// A drawing with anything changed, left out or put in: an error or a path, whose elements join.
     #[test]
     fn damaged_drawings_end(
         changes in prop::collection::vec((any::<prop::sample::Index>(), 0..4_u8, "[0-9A-Z.-]{0,6}|-?[0-9]{1,3}|nan|1e308"), 1..6)
     ) {
         let text = full_drawing(
             "0\nLAYER\n2\nIce\n70\n1\n62\n7\n",
-            &[&["BLOCK 2 A 70 0 10 5 20 0", "ARC 8 0 10 5 20 0 40 1 50 0 51 90"]],
+            &["BLOCK 2 A 70 0 10 5 20 0", "ARC 8 0 10 5 20 0 40 1 50 0 51 90", "ENDBLK"],
             &[
                 "LINE 8 0 10 0 20 0 11 1 21 0",
                 "LWPOLYLINE 90 3 70 1 10 0 20 0 10 10 20 0 42 0.5 10 10 20 10",

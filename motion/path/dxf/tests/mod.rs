@@ -15,22 +15,19 @@ fn drawing(entities: &[&str]) -> String {
     full_drawing("", &[], entities)
 }
 
-/// The same with table entries and blocks; a block is its header and its entities.
-fn full_drawing(tables: &str, blocks: &[&[&str]], entities: &[&str]) -> String {
-    let entity = |text: &&str| {
-        let words: Vec<_> = ["0"].into_iter().chain(text.split_whitespace()).collect();
-        words.join("\n") + "\n"
+/// The same with table entries and the entities of blocks, each from its `BLOCK` to its `ENDBLK`.
+fn full_drawing(tables: &str, blocks: &[&str], entities: &[&str]) -> String {
+    let pairs = |entities: &[&str]| -> String {
+        let words =
+            entities.iter().flat_map(|entity| ["0"].into_iter().chain(entity.split_whitespace()));
+        words.flat_map(|word| [word, "\n"]).collect()
     };
-    let blocks: String = blocks
-        .iter()
-        .map(|block| block.iter().map(entity).collect::<String>() + "0\nENDBLK\n")
-        .collect();
+    let [blocks, entities] = [blocks, entities].map(pairs);
     format!(
         "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1015\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n\
          0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n{tables}0\nENDTAB\n0\nENDSEC\n\
          0\nSECTION\n2\nBLOCKS\n{blocks}0\nENDSEC\n\
-         0\nSECTION\n2\nENTITIES\n{}0\nENDSEC\n0\nEOF\n",
-        entities.iter().map(entity).collect::<String>()
+         0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n"
     )
 }
 

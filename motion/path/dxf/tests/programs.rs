@@ -51,21 +51,18 @@ fn sections_are_joined() {
 
 #[test]
 fn one_program_per_layer_or_section() {
-    let names = |split| {
-        let import = with(ImportOptions { split, ..ImportOptions::default() }, &SQUARE);
-        let name = |program: Program| (program.name, program.sections);
-        import.programs.into_iter().map(name).collect::<Vec<_>>()
+    let programs = |split, entities: &[&str]| {
+        let import = with(ImportOptions { split, ..ImportOptions::default() }, entities);
+        let programs = import.programs.iter();
+        let named = programs.map(|program| format!("{}: {}", program.name, program.sections));
+        named.collect::<Vec<_>>()
     };
-    let expected = |names: [(&str, usize); 2]| names.map(|(name, count)| (name.to_owned(), count));
-    assert_eq!(names(Split::Layers), expected([("a", 1), ("b", 1)]));
-    assert_eq!(names(Split::Sections), expected([("section 1 (a)", 1), ("section 2 (b)", 1)]));
+    assert_eq!(programs(Split::Layers, &SQUARE), ["a: 1", "b: 1"]);
+    assert_eq!(programs(Split::Sections, &SQUARE), ["section 1 (a): 1", "section 2 (b): 1"]);
     // Layers are not joined with one another when each has its own program.
     let touching = ["LINE 8 a 10 0 20 0 11 1 21 0", "LINE 8 b 10 1 20 0 11 2 21 0"];
-    let sections = |split| {
-        let import = with(ImportOptions { split, ..ImportOptions::default() }, &touching);
-        import.programs.iter().map(|program| program.sections).collect::<Vec<_>>()
-    };
-    assert_eq!((sections(Split::Whole), sections(Split::Layers)), (vec![1], vec![1, 1]));
+    assert_eq!(programs(Split::Whole, &touching), ["drawing: 1"]);
+    assert_eq!(programs(Split::Layers, &touching), ["a: 1", "b: 1"]);
 }
 
 /// From (60, 0): first the line, from its nearer end; then the square, from its nearest corner.
@@ -107,25 +104,14 @@ fn heights() {
     let heights = Some(Heights { safe: 0.005, cut: -0.001, plunge_feed: 0.01 });
     let import = with(ImportOptions { heights, ..ImportOptions::default() }, &SQUARE);
     let elements = &import.programs[0].elements;
+    // X and Z of the ends, mm; with an r where it is not a cut.
     let step = |element: &PathElement| {
-        let mm = |metres: f64| (metres * 1e9).round() / 1e6;
-        (element.kind == ElementKind::Cut, [element.end().x, element.end().z].map(mm))
+        let [x, z] = [element.end().x, element.end().z].map(|at| (at * 1e9).round() / 1e6);
+        format!("{}{x},{z}", if element.kind == ElementKind::Cut { "" } else { "r" })
     };
     let steps: Vec<_> = elements.iter().map(step).collect();
-    let expected = [
-        (false, [0.0, 5.0]),
-        (true, [0.0, -1.0]),
-        (true, [10.0, -1.0]),
-        (true, [10.0, -1.0]),
-        (true, [0.0, -1.0]),
-        (true, [0.0, -1.0]),
-        (false, [0.0, 5.0]),
-        (false, [100.0, 5.0]),
-        (true, [100.0, -1.0]),
-        (true, [50.0, -1.0]),
-        (false, [50.0, 5.0]),
-    ];
-    assert_eq!(steps, expected);
+    let expected = "r0,5 0,-1 10,-1 10,-1 0,-1 0,-1 r0,5 r100,5 100,-1 50,-1 r50,5";
+    assert_eq!(steps.join(" "), expected);
     assert!((elements[1].feed - 0.01).abs() < 1e-15 && (elements[2].feed - 0.1).abs() < 1e-15);
     for pair in elements.windows(2) {
         assert_eq!(pair[0].end(), pair[1].start());

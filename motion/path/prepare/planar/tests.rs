@@ -23,46 +23,33 @@ fn points(a: &Curve, b: &Curve) -> Vec<[f64; 2]> {
     for Crossing { u, v } in &found {
         assert!((a.at(*u) - b.at(*v)).norm() < 1e-9);
     }
-    found
-        .iter()
-        .map(|crossing| {
-            let point = a.at(crossing.u);
-            [point.x, point.y].map(|x| (x * 1e9).round() / 1e9 + 0.0)
-        })
-        .collect()
-}
-
-#[test]
-fn lines_cross() {
-    let cross = |end| points(&line([0.0, 0.0], [2.0, 2.0]), &line([0.0, 2.0], end));
-    assert_eq!(cross([2.0, 0.0]), [[1.0, 1.0]]);
-    assert_eq!(cross([0.5, 1.5]), [] as [[f64; 2]; 0]);
-    assert_eq!(cross([2.0, 4.0]), [] as [[f64; 2]; 0], "parallel");
-    // Ends that just touch.
-    assert_eq!(points(&line([0.0, 0.0], [1.0, 0.0]), &line([1.0, 0.0], [1.0, 1.0])), [[1.0, 0.0]]);
+    let places = found.iter().map(|crossing| a.at(crossing.u));
+    places.map(|point| [point.x, point.y].map(|x| (x * 1e9).round() / 1e9 + 0.0)).collect()
 }
 
 #[test]
 fn lines_and_arcs_cross() {
-    let circle = arc([0.0, 0.0], 5.0, 0.0, TAU);
-    assert_eq!(points(&line([-6.0, 3.0], [6.0, 3.0]), &circle), [[-4.0, 3.0], [4.0, 3.0]]);
-    let upper_right = arc([0.0, 0.0], 5.0, FRAC_PI_2, -FRAC_PI_2);
-    assert_eq!(points(&upper_right, &line([-6.0, 3.0], [6.0, 3.0])), [[4.0, 3.0]]);
-    assert_eq!(points(&line([-6.0, 5.1], [6.0, 5.1]), &circle), [] as [[f64; 2]; 0]);
-    // At the ends of both.
-    assert_eq!(points(&line([5.0, 0.0], [9.0, 0.0]), &upper_right), [[5.0, 0.0]]);
-}
-
-#[test]
-fn arcs_cross() {
-    let one = arc([-3.0, 0.0], 5.0, 0.0, TAU);
-    let other = arc([3.0, 0.0], 5.0, PI, TAU);
-    let mut found = points(&one, &other);
-    found.sort_by(|a, b| a[1].total_cmp(&b[1]));
-    assert_eq!(found, [[0.0, -4.0], [0.0, 4.0]]);
-    assert_eq!(points(&one, &arc([3.0, 0.0], 5.0, PI, -FRAC_PI_2)), [[0.0, 4.0]]);
-    assert_eq!(points(&one, &arc([9.0, 0.0], 5.0, 0.0, TAU)), [] as [[f64; 2]; 0]);
-    assert_eq!(points(&one, &arc([-3.0, 0.0], 4.0, 0.0, TAU)), [] as [[f64; 2]; 0]);
+    let diagonal = || line([0.0, 0.0], [2.0, 2.0]);
+    let high = |y: f64| line([-6.0, y], [6.0, y]);
+    let circle = |x: f64, start_angle: f64| arc([x, 0.0], 5.0, start_angle, TAU);
+    let upper_right = || arc([0.0, 0.0], 5.0, FRAC_PI_2, -FRAC_PI_2);
+    let upper_left = || arc([3.0, 0.0], 5.0, PI, -FRAC_PI_2);
+    for (name, one, other, expected) in [
+        ("lines", diagonal(), line([0.0, 2.0], [2.0, 0.0]), &[[1.0, 1.0]][..]),
+        ("a line too short", diagonal(), line([0.0, 2.0], [0.5, 1.5]), &[]),
+        ("parallels", diagonal(), line([0.0, 2.0], [2.0, 4.0]), &[]),
+        ("ends that touch", diagonal(), line([2.0, 2.0], [2.0, 3.0]), &[[2.0, 2.0]]),
+        ("line and circle", high(3.0), circle(0.0, 0.0), &[[-4.0, 3.0], [4.0, 3.0]]),
+        ("quarter and line", upper_right(), high(3.0), &[[4.0, 3.0]]),
+        ("line above a circle", high(5.1), circle(0.0, 0.0), &[]),
+        ("ends of both", line([5.0, 0.0], [9.0, 0.0]), upper_right(), &[[5.0, 0.0]]),
+        ("circles", circle(-3.0, 0.0), circle(3.0, PI), &[[0.0, 4.0], [0.0, -4.0]]),
+        ("circle and quarter", circle(-3.0, 0.0), upper_left(), &[[0.0, 4.0]]),
+        ("circles apart", circle(-3.0, 0.0), circle(9.0, 0.0), &[]),
+        ("circles in each other", circle(-3.0, 0.0), arc([-3.0, 0.0], 4.0, 0.0, TAU), &[]),
+    ] {
+        assert_eq!(points(&one, &other), expected, "{name}");
+    }
 }
 
 /// More than one turn passes the same place more than once.
@@ -84,16 +71,12 @@ fn growing_radii() {
 }
 
 fn any_curve() -> impl Strategy<Value = Curve> {
-    let coordinate = || -1.0..1.0;
-    prop_oneof![
-        (coordinate(), coordinate(), coordinate(), coordinate())
-            .prop_map(|(a, b, c, d)| line([a, b], [c, d])),
-        (coordinate(), coordinate(), 0.1..1.0, -PI..PI, 0.2..TAU, any::<bool>()).prop_map(
-            |(x, y, radius, start, sweep, left)| {
-                arc([x, y], radius, start, if left { sweep } else { -sweep })
-            }
-        ),
-    ]
+    let coordinate = || -1.0..1.0_f64;
+    let point = || [coordinate(), coordinate()];
+    let sweep = prop_oneof![-TAU..-0.2, 0.2..TAU];
+    let arcs = (point(), 0.1..1.0, -PI..PI, sweep)
+        .prop_map(|(center, radius, start, sweep)| arc(center, radius, start, sweep));
+    prop_oneof![(point(), point()).prop_map(|(start, end)| line(start, end)), arcs]
 }
 
 /// The smallest distance of dense samples.
@@ -116,7 +99,6 @@ proptest! {
         prop_assert_eq!(exact == 0.0, !crossings(&a, &b).is_empty());
     }
 
-    /// The offset is everywhere at the distance asked for, on the side asked for.
     #[test]
     fn offsets(curve in any_curve(), by in -0.09..0.09) {
         let (offset, inside_out) = curve.offset(by);
@@ -150,33 +132,21 @@ fn assert_fits(shape: &Shape, tolerance: f64, most: usize) {
 
 #[test]
 fn ellipses_and_splines_as_arcs() {
-    let start = Point3::new(0.05, 0.0, 0.0);
-    let ellipse =
-        Ellipse::new(start, start, Point2::new(0.0, 0.0), Vector2::new(0.05, 0.0), 0.02, TAU);
+    let (apex, half) = (Point3::new(0.05, 0.0, 0.0), Vector2::new(0.05, 0.0));
+    let ellipse = Ellipse::new(apex, apex, Point2::origin(), half, 0.02, TAU);
     assert_fits(&Shape::Ellipse(Box::new(ellipse)), 1e-6, 130);
-    let s_bend = Cubic::hermite(
-        Point3::new(0.0, 0.0, 0.0),
-        Point3::new(0.1, 0.0, 0.0),
-        Vector2::new(0.1, 0.2),
-        Vector2::new(0.1, 0.2),
-    );
+    let (start, end, direction) = (Point3::origin(), apex * 2.0, Vector2::new(0.1, 0.2));
+    let s_bend = Cubic::hermite(start, end, direction, direction);
     assert_fits(&Shape::Cubic(Box::new(s_bend)), 1e-6, 130);
-    let parabola = Cubic::parabola(
-        Point3::new(0.0, 0.0, 0.0),
-        Point2::new(0.05, 0.1),
-        Point3::new(0.1, 0.0, 0.0),
-    );
+    let parabola = Cubic::parabola(start, Point2::new(0.05, 0.1), end);
     assert_fits(&Shape::Cubic(Box::new(parabola)), 1e-5, 70);
 }
 
 /// Straight curves, and those of length zero, are not arcs.
 #[test]
 fn degenerate_curves() {
-    let straight = Cubic::parabola(
-        Point3::new(0.0, 0.0, 0.0),
-        Point2::new(0.05, 0.0),
-        Point3::new(0.1, 0.0, 0.0),
-    );
+    let end = Point3::new(0.1, 0.0, 0.0);
+    let straight = Cubic::parabola(Point3::origin(), Point2::new(0.05, 0.0), end);
     let pieces = fit(&Shape::Cubic(Box::new(straight)), 1e-6);
     assert!(pieces.iter().all(|piece| matches!(piece.curve, Curve::Line { .. })));
     let nothing = Cubic::new([0.1, 0.0, 0.0, 0.0], [0.0; 4], 0.0, 0.0);

@@ -1,8 +1,8 @@
 //! Tests of loop avoidance, [`AvoidLoops`].
 
 use super::{
-    Error, assert_continuous, assert_path, close, cut, element, extras, line, path, random_path,
-    switched, switches, taken, with_extra, words,
+    Error, assert_path, close, cut, element, ends, extras, length, line, path, random_path, stairs,
+    switched, switches, through, with_extra, words,
 };
 use crate::prepare::{AvoidLoops, Notice, Notices};
 use crate::{ElementKind, Ellipse, Marks, PathElement, Shape};
@@ -12,23 +12,14 @@ use std::cell::Cell;
 use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
-fn marked(mut elements: Vec<PathElement>) -> Vec<PathElement> {
-    if let [first, ..] = &mut elements[..] {
-        first.marks = first.marks.with(Marks::LOOPS);
-    }
-    if let [.., last] = &mut elements[..] {
-        last.marks = last.marks.with(Marks::LOOPS_END);
-    }
-    elements
+fn marked(elements: Vec<PathElement>) -> Vec<PathElement> {
+    super::marked(elements, Marks::LOOPS, Marks::LOOPS_END)
 }
 
 fn avoid(elements: Vec<PathElement>) -> (Vec<PathElement>, Vec<Notice>) {
-    let notices = Notices::default();
-    let items = marked(elements).into_iter().map(Ok::<_, Error>);
-    let path: Vec<_> = AvoidLoops::new(items, notices.clone()).map(Result::unwrap).collect();
-    assert_continuous(&path);
+    let (path, notices) = through(marked(elements), AvoidLoops::new);
     assert!(path.iter().all(|element| element.marks == Marks::default()));
-    (path, taken(&notices))
+    (path, notices)
 }
 
 const LOOP: &str = "0,0 100,0 100,50 50,50 50,-50";
@@ -48,13 +39,11 @@ fn a_loop_is_reported() {
 #[test]
 fn only_between_the_marks() {
     for elements in ["0,0 100,0 G61 100,50 50,50 50,-50", "0,0 G61 100,0 100,50 50,50 G60 50,-50"] {
-        let items = path(elements).into_iter().map(Ok::<_, Error>);
-        assert_eq!(AvoidLoops::new(items, Notices::default()).count(), 4);
+        assert_eq!(through(path(elements), AvoidLoops::new).0.len(), 4);
     }
 }
 
-/// Of several crossings the first along the element; what comes after may cross again. Through a corner of either path
-/// is a crossing like any other.
+/// Of several crossings the first along the element; one through a corner of either path is like any other.
 #[test]
 fn crossings_are_cut() {
     for (elements, expected, loops) in [
@@ -98,7 +87,6 @@ fn curves_are_cut_to_rounding() {
     assert!(matches!(path[1].shape, Shape::Ellipse(_)));
 }
 
-/// What stays as it is.
 #[test]
 fn what_is_no_loop() {
     for elements in [
@@ -133,7 +121,6 @@ fn what_is_no_loop() {
     assert_eq!((after.len(), notices.len()), (2, 1));
 }
 
-/// M functions and dwells of a loop are done at the crossing, its switches too.
 #[test]
 fn nothing_is_lost_in_a_loop() {
     let mut path = path("0,0 100,0 100,50 m 50,50 50,-50");
@@ -159,8 +146,7 @@ fn nothing_is_lost_in_a_loop() {
 #[test]
 fn extra_axes_go_on_from_the_crossing() {
     let ends = [(0.0, 10.0), (10.0, 20.0), (20.0, 30.0), (30.0, 40.0)];
-    let turned =
-        path(LOOP).into_iter().zip(ends).map(|(it, (start, end))| with_extra(it, start, end));
+    let turned = path(LOOP).into_iter().zip(ends).map(|(it, ends)| with_extra(it, ends));
     let (path, _) = avoid(turned.collect());
     assert_eq!(extras(&path), [(0.0, 5.0), (5.0, 40.0)].map(Some));
 }
@@ -183,23 +169,19 @@ fn whether_it_looks_is_told() {
     assert!((15..=19).contains(&count) && on[first..first + count].iter().all(|on| *on), "{count}");
 }
 
-/// The window bounds the loops found and the elements held.
 #[test]
 fn the_window() {
     let cut_with = |window: usize| {
         let window = NonZeroUsize::new(window).unwrap();
-        let items = marked(path(LOOP)).into_iter().map(Ok::<_, Error>);
-        AvoidLoops::with_window(items, window, Notices::default()).count()
+        let stage = |items, notices| AvoidLoops::with_window(items, window, notices);
+        through(marked(path(LOOP)), stage).0.len()
     };
     assert_eq!([cut_with(1), cut_with(2), cut_with(3)], [4, 4, 2]);
     let pulled = Cell::new(0_u32);
-    let stairs = (0..1000_u32).map(|n| {
-        pulled.set(pulled.get() + 1);
-        let [x, y] = [n.div_ceil(2), n / 2].map(f64::from);
-        let [to_x, to_y] = [(n + 1).div_ceil(2), n.div_ceil(2)].map(f64::from);
-        let marks = if n == 0 { Marks::LOOPS } else { Marks::default() };
-        Ok::<_, Error>(PathElement { marks, ..cut([x, y, 0.0], [to_x, to_y, 0.0], 0.05) })
-    });
+    let mut stairs = stairs(1000);
+    stairs[0].marks = Marks::LOOPS;
+    let stairs = stairs.into_iter().map(Ok::<_, Error>);
+    let stairs = stairs.inspect(|_| pulled.set(pulled.get() + 1));
     let window = NonZeroUsize::new(7).unwrap();
     let mut path = AvoidLoops::with_window(stairs, window, Notices::default());
     for handed_out in 1..=900 {
@@ -209,15 +191,10 @@ fn the_window() {
 }
 
 proptest! {
-    /// What comes out goes from the same start to the same end without a break, and has nothing more to cut.
     #[test]
     fn no_loops_are_left(path in random_path(true)) {
-        let ends = |path: &[PathElement]| {
-            path.first().map(PathElement::start).zip(path.last().map(PathElement::end))
-        };
         let (after, _) = avoid(path.clone());
         prop_assert_eq!(ends(&after), ends(&path));
-        let length = |path: &[PathElement]| path.iter().map(PathElement::length).sum::<f64>();
         prop_assert!(length(&after) <= length(&path) + 1e-9);
         let (again, notices) = avoid(after.clone());
         prop_assert_eq!(notices, vec![]);

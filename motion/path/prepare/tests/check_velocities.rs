@@ -1,6 +1,6 @@
 //! Tests of transition velocities, [`CheckVelocities`].
 
-use super::{Error, arc, cut, line, path};
+use super::{Error, arc, cut, line, path, stairs};
 use crate::Place;
 use crate::prepare::{CheckError, CheckVelocities, CornerError, Limit, ToolRadiusError};
 use crate::{AxisMask, Details, ElementKind, ExtraAxes, PathElement};
@@ -21,15 +21,22 @@ fn end_velocities<const N: usize>(elements: [PathElement; N], angle_tolerance: f
     check(elements, angle_tolerance).into_iter().map(Result::unwrap).collect()
 }
 
-/// The angle of vector `cnc-transition`, from both sides.
+/// The angle of vector `cnc-transition`, one in space, and those of which acos(1 − 5e-15) = 1e-7 knows only a tenth.
 #[test]
-fn the_angle_itself() {
-    let path = || {
+fn angles() {
+    let flat = |turn: f64, side: f64| [0.1 + turn.cos(), side * turn.sin(), 0.0];
+    for (end, turn, within) in [
+        ([0.2, 0.02, 0.0], 11.309_932_5_f64.to_radians(), 0.000_000_5_f64.to_radians()),
+        ([0.1, 0.0, 0.1], FRAC_PI_2, 0.01 * FRAC_PI_2),
+        (flat(1e-7, 1.0), 1e-7, 2e-9),
+        (flat(PI - 1e-7, 1.0), PI - 1e-7, 2e-9),
+        (flat(1e-7, -1.0), 1e-7, 2e-9),
+        (flat(PI - 1e-7, -1.0), PI - 1e-7, 2e-9),
+    ] {
         let corner = [0.1, 0.0, 0.0];
-        [cut([0.0; 3], corner, 0.05), cut(corner, [0.2, 0.02, 0.0], 0.03)]
-    };
-    for (tolerance, expected) in [(11.309_933_f64, 0.03), (11.309_932, 0.0)] {
-        assert_eq!(end_velocities(path(), tolerance.to_radians()), [expected, 0.0]);
+        let path = || [cut([0.0; 3], corner, 0.05), cut(corner, end, 0.03)];
+        assert_eq!(end_velocities(path(), turn + within), [0.03, 0.0], "turn {turn}");
+        assert_eq!(end_velocities(path(), turn - within), [0.0, 0.0], "turn {turn}");
     }
 }
 
@@ -51,8 +58,7 @@ fn a_limit_on_the_transition_is_kept() {
     assert_eq!(check(end, 0.0), [Ok(0.0), Err(Error::Upstream(1)), Ok(0.0)]);
 }
 
-/// M functions and dwells; rapids and jumps at both ends; elements of length zero. A probe that trips has nowhere to go on
-/// to.
+/// M functions and dwells; rapids and jumps at both ends; elements of length zero; probes that trip.
 #[test]
 fn where_the_path_stops() {
     for (elements, expected) in [
@@ -124,26 +130,6 @@ fn segments_in_line_do_not_stop_even_without_tolerance() {
 }
 
 #[test]
-fn turns_are_measured_in_space() {
-    let corner = [0.1, 0.0, 0.0];
-    let path = || [cut([0.0; 3], corner, 0.05), cut(corner, [0.1, 0.0, 0.1], 0.05)];
-    assert_eq!(end_velocities(path(), 1.01 * FRAC_PI_2), [0.05, 0.0]);
-    assert_eq!(end_velocities(path(), 0.99 * FRAC_PI_2), [0.0, 0.0]);
-}
-
-#[test]
-fn turns_near_nothing_and_near_reversal_keep_their_digits() {
-    // acos(1 − 5e-15) knows 1e-7 rad only to a tenth.
-    for (turn, side) in [(1e-7, 1.0), (PI - 1e-7, 1.0), (1e-7, -1.0), (PI - 1e-7, -1.0)] {
-        let corner = [1.0, 0.0, 0.0];
-        let end = [1.0 + f64::cos(turn), side * f64::sin(turn), 0.0];
-        let path = || [cut([0.0; 3], corner, 0.05), cut(corner, end, 0.05)];
-        assert_eq!(end_velocities(path(), turn + 2e-9), [0.05, 0.0], "turn {turn}");
-        assert_eq!(end_velocities(path(), turn - 2e-9), [0.0, 0.0], "turn {turn}");
-    }
-}
-
-#[test]
 fn arcs_count_with_their_tangents() {
     let start_of_arc = [0.1, 0.0, 0.0];
     // Counter-clockwise about a centre on the left: goes on in +x, ends in +y.
@@ -166,6 +152,7 @@ fn errors_keep_their_place_and_the_path_stops_before_them() {
     let upstream = |number| Err(Error::Upstream(number));
     let expected = [upstream(1), Ok(0.05), Ok(0.0), upstream(2), upstream(3), Ok(0.0)];
     assert_eq!(check(elements, 0.0), expected);
+    assert_eq!(check(Vec::new(), 0.0), []);
 }
 
 /// `SMC_CV_ACC_DEC_VEL_NONPOSITIVE`, error 1100.
@@ -180,59 +167,42 @@ fn limits_must_be_positive_and_finite() {
         ];
         for (limit, element) in cases {
             let results = check(vec![Ok(good()), Ok(element)], 0.0);
-            assert_eq!(results[0], Ok(0.0));
-            let Err(Error::Check(CheckError::NonPositiveLimit {
-                place,
-                limit: found,
-                value: reported,
-            })) = results[1]
+            let [Ok(0.0), Err(Error::Check(error))] = results[..] else { panic!("{results:?}") };
+            let CheckError::NonPositiveLimit { place, limit: found, value: reported } = error
             else {
-                panic!("{value} as {limit:?} was let through: {results:?}");
+                panic!("{value} as {limit:?}: {error:?}");
             };
             assert_eq!((place, found), (good().place, limit));
             assert_eq!(reported.to_bits(), value.to_bits());
         }
     }
-    let error =
-        CheckError::NonPositiveLimit { place: good().place, limit: Limit::Feed, value: 0.0 };
-    assert_eq!(
-        error.to_string(),
-        "line 1 (N10): the velocity (F) is 0 mm/s, it must be positive and finite"
-    );
 }
 
 /// Programs are in mm (manual 3.2), and so are the messages about them.
 #[test]
 fn messages_are_in_millimetres() {
-    let place = Place { line: 3, block: None };
-    let errors: [(&dyn std::error::Error, &str); 6] = [
-        (
-            &CheckError::NonPositiveLimit { place, limit: Limit::Deceleration, value: -0.1 },
-            "the deceleration (E-) is -100 mm/s², it must be positive and finite",
-        ),
-        (
-            &CheckError::EndVelocity { place, value: -0.003 },
-            "the velocity at the end is -3 mm/s, it must not be negative",
-        ),
-        (
-            &CheckError::Length { place, length: f64::INFINITY },
-            "the length of the path is inf mm, which cannot be travelled",
-        ),
-        (
-            &CornerError::Distance { place, distance: -0.0041 },
-            "corners cannot be cut -4.1 mm before them",
-        ),
-        (
-            &ToolRadiusError::Radius { place, radius: -0.003 },
-            "a path cannot be corrected by a tool radius of -3 mm",
-        ),
-        (
-            &ToolRadiusError::RadiusChange { place, from: 0.005, to: 0.0041 },
-            "the tool radius changes from 5 mm to 4.1 mm within tool radius correction; end it with G40 before",
-        ),
+    let place = Place { line: 3, block: Some(10) };
+    let limit = |limit, value| CheckError::NonPositiveLimit { place, limit, value };
+    let errors: [Error; 7] = [
+        limit(Limit::Feed, 0.0).into(),
+        limit(Limit::Deceleration, -0.1).into(),
+        CheckError::EndVelocity { place, value: -0.003 }.into(),
+        CheckError::Length { place, length: f64::INFINITY }.into(),
+        CornerError::Distance { place, distance: -0.0041 }.into(),
+        ToolRadiusError::Radius { place, radius: -0.003 }.into(),
+        ToolRadiusError::RadiusChange { place, from: 0.005, to: 0.0041 }.into(),
     ];
-    for (error, message) in errors {
-        assert_eq!(error.to_string(), format!("line 3: {message}"));
+    let messages = [
+        "the velocity (F) is 0 mm/s, it must be positive and finite",
+        "the deceleration (E-) is -100 mm/s², it must be positive and finite",
+        "the velocity at the end is -3 mm/s, it must not be negative",
+        "the length of the path is inf mm, which cannot be travelled",
+        "corners cannot be cut -4.1 mm before them",
+        "a path cannot be corrected by a tool radius of -3 mm",
+        "the tool radius changes from 5 mm to 4.1 mm within tool radius correction; end it with G40 before",
+    ];
+    for (error, message) in errors.iter().zip(messages) {
+        assert_eq!(error.to_string(), format!("line 3 (N10): {message}"));
     }
 }
 
@@ -241,10 +211,9 @@ fn lengths_must_be_finite() {
     for x in [f64::NAN, f64::INFINITY, 1e200] {
         for kind in [ElementKind::Cut, ElementKind::Rapid, ElementKind::Jump] {
             let results = check(vec![Ok(line(kind, [0.0; 3], [x, 0.0, 0.0], 0.05))], 0.0);
-            assert!(
-                matches!(results[..], [Err(Error::Check(CheckError::Length { .. }))]),
-                "{kind:?} to {x}: {results:?}"
-            );
+            let [Err(Error::Check(CheckError::Length { .. }))] = results[..] else {
+                panic!("{kind:?} to {x}: {results:?}");
+            };
         }
     }
 }
@@ -252,19 +221,10 @@ fn lengths_must_be_finite() {
 #[test]
 fn holds_one_element_back() {
     let pulled = Cell::new(0);
-    let upstream = (0..10_u32).map(|n| {
-        pulled.set(pulled.get() + 1);
-        let x = f64::from(n);
-        Ok::<_, Error>(cut([x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], 0.05))
-    });
-    let mut checked = CheckVelocities::new(upstream, 0.0);
+    let stairs = stairs(10).into_iter().inspect(|_| pulled.set(pulled.get() + 1));
+    let mut checked = CheckVelocities::new(stairs.map(Ok::<_, Error>), 0.0);
     for handed_out in 1..10 {
         assert!(checked.next().is_some());
         assert_eq!(pulled.get(), handed_out + 1);
     }
-}
-
-#[test]
-fn nothing_comes_from_nothing() {
-    assert_eq!(check(Vec::new(), 0.0), []);
 }

@@ -32,17 +32,26 @@ enum Error {
     Upstream(u32),
 }
 
+type Item = Result<PathElement, Error>;
+
 /// The tolerance of the vectors, 1e-8 mm, in m.
 const VECTOR_TOLERANCE: f64 = 1e-11;
 
+/// The unbroken path that a stage makes of another, and what it notices.
+fn through<I: Iterator<Item = Item>>(
+    path: Vec<PathElement>,
+    stage: impl FnOnce(std::vec::IntoIter<Item>, Notices) -> I,
+) -> (Vec<PathElement>, Vec<Notice>) {
+    let (items, notices) = (path.into_iter().map(Ok).collect::<Vec<_>>(), Notices::default());
+    let path: Vec<_> = stage(items.into_iter(), notices.clone()).map(Result::unwrap).collect();
+    assert_continuous(&path);
+    (path, taken(&notices))
+}
+
 fn element(kind: ElementKind, shape: Shape, feed: f64) -> PathElement {
     let place = Place { line: 1, block: Some(10) };
-    PathElement {
-        feed,
-        acceleration: 0.1,
-        deceleration: 0.1,
-        ..PathElement::new(place, kind, shape)
-    }
+    let limits = PathElement::new(place, kind, shape);
+    PathElement { feed, acceleration: 0.1, deceleration: 0.1, ..limits }
 }
 
 /// A move that a probe has ended.
@@ -108,14 +117,17 @@ fn path(text: &str) -> Vec<PathElement> {
         };
         at = next.end();
         if std::mem::replace(&mut started, true) {
-            path.push(PathElement {
-                tool_radius: radius,
-                marks: std::mem::take(&mut begins),
-                ..next
-            });
+            let marks = std::mem::take(&mut begins);
+            path.push(PathElement { tool_radius: radius, marks, ..next });
         }
     }
     numbered(path)
+}
+
+/// Cuts of 1 m, right and up in turn, on lines 1, 2, 3 … of the program.
+fn stairs(count: u32) -> Vec<PathElement> {
+    let at = |n: u32| [f64::from(n.div_ceil(2)), f64::from(n / 2), 0.0];
+    numbered((0..count).map(|n| cut(at(n), at(n + 1), 0.05)).collect())
 }
 
 /// Words of cuts to these points.
@@ -161,6 +173,32 @@ fn m_function(at: Point3<f64>) -> PathElement {
     element(ElementKind::MFunction { number: 8 }, Shape::Line { start: at, end: at }, 0.05)
 }
 
+/// The elements with marks on the first and on the last of them.
+fn marked(mut elements: Vec<PathElement>, begin: Marks, end: Marks) -> Vec<PathElement> {
+    if let [first, ..] = &mut elements[..] {
+        first.marks = first.marks.with(begin);
+    }
+    if let [.., last] = &mut elements[..] {
+        last.marks = last.marks.with(end);
+    }
+    elements
+}
+
+fn ends(path: &[PathElement]) -> Option<[Point3<f64>; 2]> {
+    Some([path.first()?.start(), path.last()?.end()])
+}
+
+fn length(path: &[PathElement]) -> f64 {
+    path.iter().map(PathElement::length).sum()
+}
+
+/// Both lines of a corner with many M functions in between.
+fn with_many(corner: Vec<PathElement>, count: usize) -> Vec<PathElement> {
+    let [first, second] = corner.try_into().unwrap();
+    let many = vec![m_function(first.end()); count];
+    [first].into_iter().chain(many).chain([second]).collect()
+}
+
 /// Every element joins the one before, to the bit.
 fn assert_continuous(elements: &[PathElement]) {
     for pair in elements.windows(2) {
@@ -182,7 +220,7 @@ fn assert_path(path: &[PathElement], text: &str) {
     let found: Vec<_> = path.iter().map(|e| (e.kind, e.start() * 1e3, e.end() * 1e3)).collect();
     let mut at = path.first().map_or(Point3::origin(), PathElement::start);
     let words: Vec<_> = text.split_whitespace().map(split).collect();
-    assert_eq!(path.len() + 1, words.len(), "{found:?}");
+    assert_eq!(path.len() + 1, words.len(), "{text}: {found:?}");
     for (index, (letter, numbers)) in words.iter().enumerate() {
         let place = placed(numbers, at);
         if index > 0 {
@@ -194,7 +232,7 @@ fn assert_path(path: &[PathElement], text: &str) {
 }
 
 /// The first extra axis from `start` to `end`, and the others at 0.
-fn with_extra(element: PathElement, start: f64, end: f64) -> PathElement {
+fn with_extra(element: PathElement, (start, end): (f64, f64)) -> PathElement {
     let wide = |p: f64| [p, 0.0, 0.0, 0.0, 0.0];
     let extra = Some(ExtraAxes { start: wide(start), end: wide(end) });
     PathElement { details: Some(Box::new(Details { extra, ..Details::default() })), ..element }

@@ -1,8 +1,6 @@
 //! Tests of [`Preparation`]: the adapters in a row.
 
-use super::{
-    Error, assert_continuous, assert_path, close, cut, m_function, path, random_path, taken,
-};
+use super::{Error, assert_path, close, m_function, path, random_path, stairs, taken, through};
 use crate::prepare::{
     CircularLimits, DEFAULT_LOOP_WINDOW, Incompatible, Notices, Preparation, Rounding, Sections,
     Smoothing, Stage, ToolRadiusOptions,
@@ -13,8 +11,7 @@ use proptest::prelude::*;
 const CIRCULAR: CircularLimits = CircularLimits { acceleration: 0.2, acceleration_jump: 0.1 };
 
 fn run(preparation: Preparation, path: Vec<PathElement>) -> Vec<PathElement> {
-    let items = path.into_iter().map(Ok::<_, Error>);
-    preparation.apply(items, &Notices::default()).map(Result::unwrap).collect()
+    through(path, |items, notices| preparation.apply(items, &notices)).0
 }
 
 /// What the sections of elements with these marks find, one by one.
@@ -60,8 +57,7 @@ fn stages_one_after_the_other() {
     assert!(sections(marks)[1].is_err());
 }
 
-/// A corrected corner (G41 D10 … G40), one to be smoothed (G51 D10 … G50) and one to be rounded (G52 D10 … G50): each
-/// is what the stage makes of it alone.
+/// Each of a corrected corner (G41 … G40), a smoothed one (G51 … G50) and a rounded one (G52 … G50) is as if it were alone.
 #[test]
 fn sections_of_every_stage() {
     let corrected = "D10 0,0 G41 100,0 100,100 G40";
@@ -73,7 +69,6 @@ fn sections_of_every_stage() {
     let mut checked = Sections::default();
     assert!(path.iter().all(|element| checked.pass(element.marks).is_ok()));
     let together = run(Preparation::for_marks(marks), path);
-    assert_continuous(&together);
     let cuts = |path: Vec<PathElement>| -> Vec<Shape> {
         path.into_iter().filter(|e| e.kind == ElementKind::Cut).map(|e| e.shape).collect()
     };
@@ -86,10 +81,9 @@ fn sections_of_every_stage() {
     assert_eq!(cuts(together), apart.concat());
     // Vector prep-toolcorr-inner: 0/10 to 90/10 to 90/100. 10 mm before the others' corners their curves begin.
     assert!(close(apart[0][0].end(), [90.0, 10.0, 0.0]));
-    assert!(
-        close(apart[1][1].start(), [190.0, 0.0, 0.0]) && matches!(apart[1][1], Shape::Cubic(_))
-    );
-    assert!(close(apart[2][1].start(), [290.0, 0.0, 0.0]) && matches!(apart[2][1], Shape::Arc(_)));
+    let (smooth, round) = (&apart[1][1], &apart[2][1]);
+    assert!(close(smooth.start(), [190.0, 0.0, 0.0]) && matches!(smooth, Shape::Cubic(_)));
+    assert!(close(round.start(), [290.0, 0.0, 0.0]) && matches!(round, Shape::Arc(_)));
 }
 
 #[test]
@@ -102,29 +96,21 @@ fn what_marks_ask_for() {
         let expected = Preparation { tool_radius, loops, ..none };
         assert_eq!(Preparation::for_marks(mark.with(Marks::LOOPS)), expected);
     }
-    let smoothing = Some(Smoothing::default());
+    let (smoothing, rounding) = (Some(Smoothing::default()), Some(Rounding::default()));
     assert_eq!(Preparation::for_marks(Marks::SMOOTHING), Preparation { smoothing, ..none });
-    let rounding = Some(Rounding::default());
     assert_eq!(Preparation::for_marks(Marks::ROUNDING), Preparation { rounding, ..none });
-    let expected = Preparation { tool_radius, rounding, ..none };
-    let marks = Marks::ROUNDING.with(Marks::CORRECTION_LEFT);
-    assert_eq!(Preparation::for_marks(marks), expected);
+    let both = Preparation::for_marks(Marks::ROUNDING.with(Marks::CORRECTION_LEFT));
+    assert_eq!(both, Preparation { tool_radius, rounding, ..none });
 }
 
 /// Every stage with every other that it goes with.
 fn combinations() -> Vec<Preparation> {
-    let corners = [
-        Preparation::default(),
-        Preparation { tool_radius: Some(ToolRadiusOptions::default()), ..Preparation::default() },
-        Preparation { smoothing: Some(Smoothing::default()), ..Preparation::default() },
-        Preparation { rounding: Some(Rounding::default()), ..Preparation::default() },
-    ];
-    let loops = [None, Some(DEFAULT_LOOP_WINDOW)];
-    let circular = [None, Some(CIRCULAR)];
+    let corners = [Marks::default(), Marks::CORRECTION_LEFT, Marks::SMOOTHING, Marks::ROUNDING];
     let mut all = Vec::new();
-    for corner in corners {
-        for loops in loops {
-            all.extend(circular.map(|circular| Preparation { loops, circular, ..corner }));
+    for corner in corners.map(Preparation::for_marks) {
+        for loops in [None, Some(DEFAULT_LOOP_WINDOW)] {
+            let with = |circular| Preparation { loops, circular, ..corner };
+            all.extend([None, Some(CIRCULAR)].map(with));
         }
     }
     all
@@ -139,7 +125,6 @@ fn marked_for_all() -> Vec<PathElement> {
 fn every_combination() {
     for preparation in combinations() {
         let path = run(preparation, marked_for_all());
-        assert_continuous(&path);
         let count = |is: &dyn Fn(&PathElement) -> bool| path.iter().filter(|e| is(e)).count();
         assert_eq!(count(&|element| matches!(element.kind, ElementKind::MFunction { .. })), 1);
         assert_eq!(count(&|e| e.kind == ElementKind::Rapid) > 0, preparation.tool_radius.is_some());
@@ -158,11 +143,9 @@ fn every_combination() {
 /// The order is the manual's: what correction makes can be a loop, and what loop avoidance leaves has a corner.
 #[test]
 fn corners_of_what_loop_avoidance_leaves() {
-    let preparation = Preparation {
-        loops: Some(DEFAULT_LOOP_WINDOW),
-        rounding: Some(Rounding { distance: 0.02, angle_tolerance: 0.0 }),
-        ..Preparation::default()
-    };
+    let rounding = Some(Rounding { distance: 0.02, angle_tolerance: 0.0 });
+    let loops = Some(DEFAULT_LOOP_WINDOW);
+    let preparation = Preparation { loops, rounding, ..Preparation::default() };
     let path = run(preparation, path("0,0 G61 G52 100,0 100,50 50,50 50,-50"));
     assert_path(&path, "0,0 30,0 50,-20 50,-50");
 }
@@ -170,11 +153,9 @@ fn corners_of_what_loop_avoidance_leaves() {
 #[test]
 fn checked_to_the_end() {
     let notices = Notices::default();
-    let preparation = Preparation {
-        rounding: Some(Rounding { distance: 0.02, angle_tolerance: 0.0 }),
-        circular: Some(CIRCULAR),
-        ..Preparation::default()
-    };
+    let rounding = Some(Rounding { distance: 0.02, angle_tolerance: 0.0 });
+    let circular = Some(CIRCULAR);
+    let preparation = Preparation { rounding, circular, ..Preparation::default() };
     let items = path("0,0 G52 100,0 100,100").into_iter().map(Ok::<_, Error>);
     let checked = preparation.check(items, 1e-6, &notices);
     let velocities: Vec<_> = checked.map(|element| element.unwrap().end_velocity).collect();
@@ -185,25 +166,13 @@ fn checked_to_the_end() {
     assert!(taken(&notices).is_empty());
 }
 
-/// An error is where it was, between the elements it was between.
 #[test]
 fn errors_keep_their_place() {
     for preparation in combinations() {
-        let mut items: Vec<_> = (0..50_u32)
-            .map(|n| {
-                let at = |n: u32| [f64::from(n.div_ceil(2)), f64::from(n / 2), 0.0];
-                Ok(cut(at(n), at(n + 1), 0.05))
-            })
-            .collect();
-        for (number, item) in (1..).zip(&mut items) {
-            if let Ok(element) = item {
-                element.place.line = number;
-                element.tool_radius = 0.01;
-                if number == 1 {
-                    element.marks = marked_for_all()[0].marks;
-                }
-            }
-        }
+        let mut stairs = stairs(50);
+        stairs.iter_mut().for_each(|element| element.tool_radius = 0.01);
+        stairs[0].marks = marked_for_all()[0].marks;
+        let mut items: Vec<_> = stairs.into_iter().map(Ok).collect();
         items.insert(25, Err(Error::Upstream(25)));
         let prepared: Vec<_> = preparation.apply(items.into_iter(), &Notices::default()).collect();
         let at = prepared.iter().position(Result::is_err).unwrap();
@@ -219,25 +188,19 @@ fn errors_keep_their_place() {
 }
 
 proptest! {
-    /// However often the consumer stops to look, and whatever the input comes from, the path is the same; marks that
-    /// are obeyed are gone.
     #[test]
     fn chunks_do_not_matter(
-        path in random_path(true),
+        mut path in random_path(true),
         which in 0_usize..16,
         chunk in 1_usize..4,
         radius in 0.0..0.02,
     ) {
         let preparation = combinations()[which];
-        let mut path = path;
-        for element in &mut path {
-            element.tool_radius = radius;
-        }
+        path.iter_mut().for_each(|element| element.tool_radius = radius);
         if let Some(first) = path.first_mut() {
             first.marks = marked_for_all()[0].marks;
         }
         let whole = run(preparation, path.clone());
-        assert_continuous(&whole);
         let chunks = path.chunks(chunk).flat_map(<[PathElement]>::to_vec).map(Ok::<_, Error>);
         let mut prepared = preparation.apply(chunks, &Notices::default());
         let mut pieces = Vec::new();
@@ -251,19 +214,15 @@ proptest! {
         prop_assert_eq!(whole, pieces);
     }
 
-    /// Whatever the radius, and with positionings and M functions among them.
     #[test]
-    fn without_marks_all_of_it_is_the_identity(path in random_path(true), which in 0_usize..16, radius in 0.0..0.02, at in 0_usize..12) {
+    fn without_marks_all_of_it_is_the_identity(mut path in random_path(true), which in 0_usize..16, radius in 0.0..0.02, at in 0_usize..12) {
         let preparation = Preparation { circular: None, ..combinations()[which] };
-        let mut path = path;
         if let Some(element) = path.get_mut(at) {
             element.kind = ElementKind::Rapid;
             let end = element.end();
             path.insert(at + 1, m_function(end));
         }
-        for element in &mut path {
-            element.tool_radius = radius;
-        }
+        path.iter_mut().for_each(|element| element.tool_radius = radius);
         prop_assert_eq!(run(preparation, path.clone()), path);
     }
 }

@@ -1,28 +1,15 @@
 //! Tests of corner smoothing, [`SmoothPath`]; the tests of [`crate::prepare::RoundPath`] cover the common part.
 
-use super::{CORNER, marked};
-use crate::prepare::tests::{
-    Error, arc, assert_continuous, assert_path, close, element, extras, path, with_extra,
-};
-use crate::prepare::{Notices, SmoothPath, Smoothing};
-use crate::{Cubic, Ellipse, Marks, PathElement, Shape};
+use super::{CORNER, assert_tangent, assert_tangent_in_plane, marked, smoothed};
+use crate::prepare::Smoothing;
+use crate::prepare::tests::{arc, assert_path, close, element, extras, path, with_extra};
+use crate::{Cubic, ElementKind, Ellipse, Marks, PathElement, Shape};
 use nalgebra::{Point2, Point3, Vector2};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-fn smooth(elements: Vec<PathElement>, edge_distance: f64) -> Vec<PathElement> {
-    let items = marked(elements, Marks::SMOOTHING).into_iter().map(Ok::<_, Error>);
+pub(super) fn smooth(elements: Vec<PathElement>, edge_distance: f64) -> Vec<PathElement> {
     let style = Smoothing { edge_distance, angle_tolerance: 0.01 };
-    let path: Vec<_> =
-        SmoothPath::new(items, style, Notices::default()).map(Result::unwrap).collect();
-    assert_continuous(&path);
-    path
-}
-
-fn assert_tangent(path: &[PathElement]) {
-    for pair in path.windows(2) {
-        let kink = (pair[0].end_tangent() - pair[1].start_tangent()).norm();
-        assert!(kink < 1e-9, "kink of {kink} between {:?} and {:?}", pair[0], pair[1]);
-    }
+    smoothed(marked(elements, Marks::SMOOTHING), style).0
 }
 
 /// The adapter's distance and D add up; the marks are obeyed and gone.
@@ -49,66 +36,37 @@ fn arcs_are_cut_by_a_circle_about_the_corner() {
     assert_tangent(&path);
 }
 
-/// All shapes with each other.
 #[test]
 fn every_shape_can_be_joined() {
-    let ellipse = || {
-        let start = Point3::new(0.0, 0.0, 0.0);
-        let ellipse = Ellipse::new(
-            start,
-            Point3::new(0.08, 0.0, 0.01),
-            Point2::new(0.04, 0.0),
-            Vector2::new(0.04, 0.0),
-            0.02,
-            -PI,
-        );
-        element(crate::ElementKind::Cut, Shape::Ellipse(Box::new(ellipse)), 0.05)
-    };
-    let parabola = || {
-        let parabola = Cubic::parabola(
-            Point3::new(0.08, 0.0, 0.01),
-            Point2::new(0.12, -0.03),
-            Point3::new(0.16, 0.03, 0.0),
-        );
-        element(crate::ElementKind::Cut, Shape::Cubic(Box::new(parabola)), 0.05)
-    };
-    let bend = || arc([0.16, -0.01, 0.0], 0.04, FRAC_PI_2, -PI, 0.05);
-    let path = smooth(vec![ellipse(), parabola(), bend()], 0.01);
+    let (joint, half) = (Point3::new(0.08, 0.0, 0.01), Vector2::new(0.04, 0.0));
+    let ellipse = Ellipse::new(Point3::origin(), joint, half.into(), half, 0.02, -PI);
+    let parabola = Cubic::parabola(joint, Point2::new(0.12, -0.03), Point3::new(0.16, 0.03, 0.0));
+    let cut = |shape| element(ElementKind::Cut, shape, 0.05);
+    let path = smooth(
+        vec![
+            cut(Shape::Ellipse(Box::new(ellipse))),
+            cut(Shape::Cubic(Box::new(parabola))),
+            arc([0.16, -0.01, 0.0], 0.04, FRAC_PI_2, -PI, 0.05),
+        ],
+        0.01,
+    );
     // The ellipse ends downwards, the parabola begins at an angle to that; it ends upwards, the arc begins to the right.
     assert_eq!(path.len(), 5);
     assert_tangent_in_plane(&path);
 }
 
-/// Heights go on linearly along each piece, so that only X and Y are without a kink.
-fn assert_tangent_in_plane(path: &[PathElement]) {
-    for pair in path.windows(2) {
-        let [a, b] = [pair[0].end_tangent(), pair[1].start_tangent()]
-            .map(|tangent| tangent.xy().normalize());
-        assert!((a - b).norm() < 1e-9, "{a} and {b}");
-    }
-}
-
-#[test]
-fn half_of_the_shorter_element_is_the_most() {
-    assert_path(&smooth(path("0,0 100,0 100,30 0,30"), 0.02), "0,0 85,0 100,15 85,30 0,30");
-}
-
-/// Only rounding's marks are rounding's.
 #[test]
 fn other_marks_are_left_alone() {
     let path = marked(path(CORNER), Marks::ROUNDING);
-    let items = path.clone().into_iter().map(Ok::<_, Error>);
     let style = Smoothing { edge_distance: 0.02, angle_tolerance: 0.0 };
-    let smoothed: Vec<_> =
-        SmoothPath::new(items, style, Notices::default()).map(Result::unwrap).collect();
-    assert_eq!(smoothed, path);
+    assert_eq!(smoothed(path.clone(), style).0, path);
 }
 
 /// An additional axis that is first named in the middle goes on without a jump.
 #[test]
 fn axes_named_later_do_not_jump() {
     let mut path = path(CORNER);
-    path[1] = with_extra(path[1].clone(), 0.0, 5.0);
+    path[1] = with_extra(path[1].clone(), (0.0, 5.0));
     let smooth = smooth(path, 0.03);
     assert_eq!(smooth.len(), 3);
     assert_eq!(extras(&smooth)[2], Some((1.5, 5.0)));

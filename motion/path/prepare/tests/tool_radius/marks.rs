@@ -1,74 +1,49 @@
 //! Tests of the begin and end of tool radius correction, and of elements in between.
 
-use super::{CORNER, correct};
+use super::{CORNER, correct, correct_with};
 use crate::prepare::tests::{
-    Error, assert_continuous, assert_path, extras, path, switched, with_extra, words,
+    Error, Item, assert_continuous, assert_path, extras, path, switched, with_extra, words,
 };
 use crate::prepare::{
     Notice, Notices, Side, Stage, ToolRadius, ToolRadiusError, ToolRadiusOptions,
 };
 use crate::{Marks, PathElement, Shape};
 
-fn run(items: Vec<Result<PathElement, Error>>) -> Vec<Result<PathElement, Error>> {
-    ToolRadius::new(items.into_iter(), ToolRadiusOptions::default(), Notices::default()).collect()
-}
-
-/// Asserts that correction makes one path of the other.
-#[track_caller]
-fn assert_corrected(text: &str, expected: &str) {
-    assert_path(&correct(path(text), ToolRadiusOptions::default()).0, expected);
-}
-
-#[test]
-fn a_radius_of_zero_changes_nothing() {
-    let mut elements = path("0,0 G41 100,0 100,100 G40");
-    let items = elements.clone().into_iter().map(Ok).collect();
-    for element in &mut elements {
-        element.marks = Marks::default();
-    }
-    let expected: Vec<_> = elements.into_iter().map(Ok).collect();
-    assert_eq!(run(items), expected);
+fn run(items: impl IntoIterator<Item = Item>) -> Vec<Item> {
+    let options = ToolRadiusOptions::default();
+    ToolRadius::new(items.into_iter(), options, Notices::default()).collect()
 }
 
 /// The correction needs G41 or G42, G40 and D (manual 3.4): without D there is nothing to correct by.
 #[test]
-fn a_radius_of_zero_is_noticed() {
+fn a_radius_of_zero_is_noticed_and_changes_nothing() {
     let elements = path("0,0 G41 100,0 100,100 G40 G42 0,100 0,0 G40");
-    let (_, notices) = correct(elements.clone(), ToolRadiusOptions::default());
+    let (after, notices) = correct(elements.clone());
+    let unmarked = |element| PathElement { marks: Marks::default(), ..element };
+    assert_eq!(after, elements.clone().into_iter().map(unmarked).collect::<Vec<_>>());
     let at =
         |line: usize| Notice::NoRadius { place: elements[line].place, stage: Stage::ToolRadius };
     assert_eq!(notices, [at(0), at(2)]);
-    assert_eq!(
-        notices[0].to_string(),
-        "line 1: tool radius correction has no effect, because D is 0 mm; put the radius as D into the block of \
-         G41 or G42"
-    );
+    let said = "line 1: tool radius correction has no effect, because D is 0 mm; put the radius as D into the block of G41 or G42";
+    assert_eq!(notices[0].to_string(), said);
     assert_eq!(notices[0].rule(), "syntax");
     // A radius of the adapter's own is one.
     let options = ToolRadiusOptions { radius: 0.001, ..ToolRadiusOptions::default() };
-    assert_eq!(correct(elements, options).1, []);
+    assert_eq!(correct_with(elements, options).1, []);
 }
 
-/// Positionings are inserted at both ends (manual 6.2.3).
 #[test]
-fn ramps_are_inserted() {
-    assert_corrected("D10 0,0 G41 100,0 100,100 G40", "0,0 r0,10 90,10 90,100 r100,100");
-}
-
-/// A positioning that comes just before leads to the offset itself; one just after starts there.
-#[test]
-fn positionings_are_led_to_the_offset() {
-    assert_corrected(
-        "D10 -50,-50,20 r0,0,0 G41 100,0 100,100 G40 r200,200,20",
-        "-50,-50,20 r0,10,0 90,10 90,100 r200,200,20",
-    );
-}
-
-/// A tool that goes straight down must neither come down at an angle nor on the contour; nor does what is done before
-/// and behind it, M functions too.
-#[test]
-fn the_tool_goes_down_and_up_beside_the_contour() {
+fn ends_and_what_comes_between() {
     for (elements, expected) in [
+        // Positionings are inserted at both ends (manual 6.2.3).
+        ("D10 0,0 G41 100,0 100,100 G40", "0,0 r0,10 90,10 90,100 r100,100"),
+        // A positioning that comes just before leads to the offset itself; one just after starts there.
+        (
+            "D10 -50,-50,20 r0,0,0 G41 100,0 100,100 G40 r200,200,20",
+            "-50,-50,20 r0,10,0 90,10 90,100 r200,200,20",
+        ),
+        // A tool that goes straight down must neither come down at an angle nor on the contour; nor does what is done
+        // before and behind it, M functions too.
         (
             "D10 0,0,50 r0,0,0 G41 100,0 100,100 G40 r100,100,50",
             "0,0,50 r0,10,50 r0,10,0 90,10 90,100 r90,100,50 r100,100,50",
@@ -77,24 +52,25 @@ fn the_tool_goes_down_and_up_beside_the_contour() {
             "D10 -50,-50,50 r0,0 m r0,0,0 G41 100,0 100,100 G40 r100,100,50 m r200,200",
             "-50,-50,50 r0,10 m0,10 r0,10,0 90,10 90,100 r90,100,50 m90,100 r200,200",
         ),
+        // From the end of one contour to the beginning of the next there is one positioning, also to the other side.
+        (
+            "D10 0,0 G41 100,0 100,100 G40 G42 0,100 G40",
+            "0,0 r0,10 90,10 90,100 r100,110 0,110 r0,100",
+        ),
+        // The end of the program without G40: the path ends at the offset from the contour.
+        ("D10 0,0 G41 100,0 100,100", "0,0 r0,10 90,10 90,100"),
+        // Lifting and lowering the tool in between, and dwells: at the offset from the contour, too.
+        (
+            "D10 0,0 G42 100,0 r100,0,50 100,100 G40",
+            "0,0 r0,-10 100,-10 110,0 r110,0,50 110,100 r100,100",
+        ),
+        // Behind a jump the offset begins anew; before it, the old one ends without a corner. As the last thing before
+        // the end it leads where it leads.
+        ("D10 0,0 G41 100,0 j0,50 100,50 G40", "0,0 r0,10 100,10 j0,60 100,60 r100,50"),
+        ("D10 0,0 G41 100,0 j100,100 G40", "0,0 r0,10 100,10 j100,100"),
     ] {
-        assert_corrected(elements, expected);
+        assert_path(&correct(path(elements)).0, expected);
     }
-}
-
-/// From the end of one contour to the beginning of the next there is one positioning, also to the other side.
-#[test]
-fn contours_may_follow_each_other() {
-    assert_corrected(
-        "D10 0,0 G41 100,0 100,100 G40 G42 0,100 G40",
-        "0,0 r0,10 90,10 90,100 r100,110 0,110 r0,100",
-    );
-}
-
-/// The end of the program without G40: the path ends at the offset from the contour.
-#[test]
-fn a_program_may_end_without_the_end_mark() {
-    assert_corrected("D10 0,0 G41 100,0 100,100", "0,0 r0,10 90,10 90,100");
 }
 
 #[test]
@@ -113,36 +89,18 @@ fn what_stands_between_is_done_behind_the_corner() {
     }
 }
 
-/// Lifting and lowering the tool in between, and dwells: at the offset from the contour, too.
-#[test]
-fn moves_along_z_alone() {
-    assert_corrected(
-        "D10 0,0 G42 100,0 r100,0,50 100,100 G40",
-        "0,0 r0,-10 100,-10 110,0 r110,0,50 110,100 r100,100",
-    );
-}
-
-/// Behind a jump the offset begins anew; before it, the old one ends without a corner. As the last thing before the end
-/// it leads where it leads.
-#[test]
-fn jumps() {
-    assert_corrected("D10 0,0 G41 100,0 j0,50 100,50 G40", "0,0 r0,10 100,10 j0,60 100,60 r100,50");
-    assert_corrected("D10 0,0 G41 100,0 j100,100 G40", "0,0 r0,10 100,10 j100,100");
-}
-
 #[test]
 fn extra_axes_rest_around_corners() {
     let elements = path("D10 0,0 G42 100,0 100,100 G40");
     let ends = [(0.0, 30.0), (30.0, 40.0)];
-    let turned =
-        elements.into_iter().zip(ends).map(|(it, (start, end))| with_extra(it, start, end));
-    let (found, _) = correct(turned.collect(), ToolRadiusOptions::default());
+    let turned = elements.into_iter().zip(ends).map(|(it, ends)| with_extra(it, ends));
+    let (found, _) = correct(turned.collect());
     let expected = [(0.0, 0.0), (0.0, 30.0), (30.0, 30.0), (30.0, 40.0), (40.0, 40.0)];
     assert_eq!(extras(&found), expected.map(Some));
 }
 
 fn errors(items: Vec<PathElement>) -> Vec<ToolRadiusError> {
-    let result = run(items.into_iter().map(Ok).collect());
+    let result = run(items.into_iter().map(Ok));
     let path: Vec<_> = result.iter().flatten().cloned().collect();
     assert_continuous(&path);
     let error = |item| match item {
@@ -159,12 +117,11 @@ fn the_side_may_not_change() {
     let place = elements[1].place;
     let expected = ToolRadiusError::SideChange { place, from: Side::Left, to: Side::Right };
     assert_eq!(errors(elements.clone()), [expected]);
-    assert_eq!(
-        expected.to_string(),
-        "line 2: tool radius correction to the right begins before that to the left has ended"
-    );
+    let said =
+        "line 2: tool radius correction to the right begins before that to the left has ended";
+    assert_eq!(expected.to_string(), said);
     // The path comes back before the error; the element itself is not moved.
-    let after: Vec<_> = run(elements.into_iter().map(Ok).collect()).into_iter().flatten().collect();
+    let after: Vec<_> = run(elements.into_iter().map(Ok)).into_iter().flatten().collect();
     assert_path(&after, "0,0 r0,10 100,10 r100,0 100,100");
     // The same side once more is not a change.
     assert_eq!(errors(path("D10 0,0 G41 100,0 G41 100,100 G40")), []);
@@ -180,9 +137,8 @@ fn the_side_is_told() {
         let options = ToolRadiusOptions { look_ahead: 8, ..ToolRadiusOptions::default() };
         let mut stage = ToolRadius::new(items, options, Notices::default());
         assert_eq!(stage.side(), None);
-        let sides: Vec<_> =
-            std::iter::from_fn(|| stage.next().map(|item| item.map(|_| stage.side()).unwrap()))
-                .collect();
+        let next = || stage.next().map(|item| item.map(|_| stage.side()).unwrap());
+        let sides: Vec<_> = std::iter::from_fn(next).collect();
         let (on, off) = sides.split_at(sides.iter().position(Option::is_none).unwrap());
         assert!(on.len() > 400 && on.iter().all(|found| *found == Some(side)), "{on:?}");
         assert!(off.len() < 20 && off.iter().all(Option::is_none), "{off:?}");
@@ -205,13 +161,13 @@ fn probing_moves_are_refused() {
     for end in ["100,100", "100,0,-10"] {
         let elements = path(&format!("D10 0,0 G41 100,0 p{end} G40"));
         let probe = PathElement { marks: Marks::default(), ..elements[1].clone() };
-        let found = run(elements.clone().into_iter().map(Ok).collect());
+        let found = run(elements.clone().into_iter().map(Ok));
         assert!(found.contains(&Ok(probe.clone())), "{found:#?}");
         assert_eq!(errors(elements), [ToolRadiusError::Probe(probe.place)]);
     }
     // Between contours they are where they are, and so is what comes before and behind.
     let elements = path("D10 0,0 G41 100,0 100,100 G40 p100,100,-10");
-    let (found, _) = correct(elements.clone(), ToolRadiusOptions::default());
+    let (found, _) = correct(elements.clone());
     assert_eq!(found.last(), elements.last());
 }
 

@@ -4,8 +4,8 @@ mod marks;
 mod narrow;
 mod random;
 
-use super::{Error, assert_continuous, assert_path, close, cut, element, numbered, path, taken};
-use crate::prepare::{Notice, Notices, ToolRadius, ToolRadiusOptions};
+use super::{assert_path, close, cut, element, length, marked, numbered, path, through};
+use crate::prepare::{Notice, ToolRadius, ToolRadiusOptions};
 use crate::{Cubic, ElementKind, Marks, PathElement, Shape};
 use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
@@ -15,38 +15,28 @@ const RIGHT: Marks = Marks::CORRECTION_RIGHT;
 
 /// The elements with D and the marks of one contour.
 fn contour(mut elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> Vec<PathElement> {
-    for element in &mut elements {
-        element.tool_radius = radius_mm * 1e-3;
-    }
-    if let Some(first) = elements.first_mut() {
-        first.marks = first.marks.with(side);
-    }
-    if let Some(last) = elements.last_mut() {
-        last.marks = last.marks.with(Marks::CORRECTION_END);
-    }
-    elements
+    elements.iter_mut().for_each(|element| element.tool_radius = radius_mm * 1e-3);
+    marked(elements, side, Marks::CORRECTION_END)
 }
 
-fn correct(
+fn correct_with(
     elements: Vec<PathElement>,
     options: ToolRadiusOptions,
 ) -> (Vec<PathElement>, Vec<Notice>) {
-    let notices = Notices::default();
-    let items = elements.into_iter().map(Ok::<_, Error>);
-    let path: Vec<_> =
-        ToolRadius::new(items, options, notices.clone()).map(Result::unwrap).collect();
-    assert_continuous(&path);
-    (path, taken(&notices))
+    through(elements, |items, notices| ToolRadius::new(items, options, notices))
 }
 
-/// The corrected path of a contour without the positionings at its two ends.
+fn correct(elements: Vec<PathElement>) -> (Vec<PathElement>, Vec<Notice>) {
+    correct_with(elements, ToolRadiusOptions::default())
+}
+
 fn compensated(elements: &str, side: Marks, radius_mm: f64) -> Vec<PathElement> {
     correct_contour(path(elements), side, radius_mm)
 }
 
+/// The corrected path of a contour without the positionings at its two ends.
 fn correct_contour(elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> Vec<PathElement> {
-    let (mut path, notices) =
-        correct(contour(elements, side, radius_mm), ToolRadiusOptions::default());
+    let (mut path, notices) = correct(contour(elements, side, radius_mm));
     assert_eq!(notices, []);
     assert!(path.iter().all(|element| element.marks == Marks::default()));
     assert_eq!(path.first().map(|element| element.kind), Some(ElementKind::Rapid));
@@ -55,12 +45,21 @@ fn correct_contour(elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> V
     path
 }
 
+/// Lines of the elements on which a gouge is, and into which, with its depth.
+fn gouges(notices: &[Notice]) -> Vec<([u32; 2], f64)> {
+    let gouge = |notice: &Notice| match notice {
+        Notice::Gouge { place, damaged, depth } => Some(([place.line, damaged.line], *depth)),
+        _ => None,
+    };
+    notices.iter().filter_map(gouge).collect()
+}
+
 const CORNER: &str = "0,0 100,0 100,100";
 
 #[test]
 fn half_of_the_radius_may_come_from_the_options() {
     let options = ToolRadiusOptions { radius: 0.006, ..ToolRadiusOptions::default() };
-    let (path, _) = correct(contour(path(CORNER), LEFT, 4.0), options);
+    let (path, _) = correct_with(contour(path(CORNER), LEFT, 4.0), options);
     assert_path(&path, "0,0 r0,10 90,10 90,100 r100,100");
 }
 
@@ -85,15 +84,13 @@ fn circles() {
 fn tangent_corners_stay_tangent() {
     for (side, y, radius) in [(LEFT, 5.0, 15.0), (RIGHT, -5.0, 25.0)] {
         let path = compensated("0,0 100,0 o100,20:180 0,40 o0,20:180", side, 5.0);
-        assert_eq!(path.len(), 4);
-        assert!(close(path[0].start(), [0.0, y, 0.0]) && close(path[0].end(), [100.0, y, 0.0]));
+        assert_path(&path, &format!("0,{y} 100,{y} 100,{0} 0,{0} 0,{y}", 40.0 - y));
         let Shape::Arc(end) = &path[1].shape else { panic!("{path:?}") };
         assert!((end.radius() * 1e3 - radius).abs() < 1e-9);
         assert!((path[3].end() - path[0].start()).norm() < 1e-12, "closed");
     }
 }
 
-/// Line into an arc it meets at an angle, inner and outer.
 #[test]
 fn lines_and_arcs_meet() {
     // Along +X to 50/0, then counter-clockwise about 50/50: tangent would be +X, the arc starts at −X−Y instead.
@@ -113,7 +110,6 @@ fn lines_and_arcs_meet() {
     assert!((arc.radius() - 0.06).abs() < 1e-12);
 }
 
-/// There and back: the tool goes around the end.
 #[test]
 fn a_reversal_is_an_outer_corner() {
     for (side, y) in [(LEFT, 10.0), (RIGHT, -10.0)] {
@@ -124,19 +120,11 @@ fn a_reversal_is_an_outer_corner() {
     }
 }
 
-/// Closed, from a corner, around the outside: it comes back to a radius from where it began.
 #[test]
-fn closed_square_outside() {
+fn closed_squares() {
     let path = compensated("0,0 100,0 100,100 0,100 0,0", RIGHT, 10.0);
-    assert_eq!(path.len(), 7);
-    assert!(close(path[0].start(), [0.0, -10.0, 0.0]) && close(path[6].end(), [-10.0, 0.0, 0.0]));
-    let length: f64 = path.iter().map(PathElement::length).sum();
-    assert!((length - (0.4 + 1.5 * PI * 0.01)).abs() < 1e-12);
-}
-
-/// Closed, from the middle of a side, along the inside.
-#[test]
-fn closed_square_inside() {
+    assert_path(&path, "0,-10 100,-10 110,0 110,100 100,110 0,110 -10,100 -10,0");
+    assert!((length(&path) - (0.4 + 1.5 * PI * 0.01)).abs() < 1e-12);
     let path = compensated("50,0 100,0 100,100 0,100 0,0 50,0", LEFT, 10.0);
     assert_path(&path, "50,10 90,10 90,90 10,90 10,10 50,10");
 }
@@ -155,8 +143,7 @@ fn height_stays() {
     }
 }
 
-/// A spline that goes straight back over the line before it runs out beyond its end first, and turns there: no piece of
-/// it has lost its direction, and the tool goes out on one side and comes back on the other.
+/// A spline straight back over the line before it: the tool goes out on one side and comes back on the other.
 #[test]
 fn splines_that_turn_back() {
     // G1 X87.48 Y51.53, then G5 X0 Y0: the spline leaves in the direction of the line and arrives along its chord.
@@ -166,7 +153,7 @@ fn splines_that_turn_back() {
     let spline = Cubic::hermite(start, end, -chord, chord);
     let spline = element(ElementKind::Cut, Shape::Cubic(Box::new(spline)), 0.05);
     let elements = numbered(vec![line[0].clone(), spline]);
-    let (path, _) = correct(contour(elements, RIGHT, 27.7), ToolRadiusOptions::default());
+    let (path, _) = correct(contour(elements, RIGHT, 27.7));
     let direction = Vector2::new(87.48, 51.53).normalize();
     let mut sides = [0, 0];
     // But for the positionings.

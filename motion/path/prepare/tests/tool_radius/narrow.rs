@@ -1,9 +1,10 @@
 //! Tests of contours that are too narrow for the tool.
 
-use super::{LEFT, RIGHT, contour, correct};
+use super::{LEFT, RIGHT, contour, correct, correct_with, gouges};
 use crate::Place;
 use crate::prepare::tests::{
-    Error, assert_path, cut, element, m_function, numbered, path, switched, switches, taken, words,
+    Error, assert_path, cut, element, length, numbered, path, stairs, switched, switches, through,
+    with_many, words,
 };
 use crate::prepare::{AvoidLoops, Notice, Notices, ToolRadius, ToolRadiusOptions};
 use crate::{Cubic, ElementKind, Ellipse, Marks, PathElement, Shape};
@@ -11,11 +12,12 @@ use nalgebra::{Point2, Point3, Vector2};
 use std::f64::consts::TAU;
 
 fn with_notices(elements: Vec<PathElement>) -> (Vec<PathElement>, Vec<Notice>) {
-    let (mut path, notices) = correct(elements, ToolRadiusOptions::default());
-    // Without the ramps.
-    path.remove(0);
-    path.pop();
-    (path, notices)
+    let (path, notices) = correct(elements);
+    (without_ramps(&path), notices)
+}
+
+fn without_ramps(path: &[PathElement]) -> Vec<PathElement> {
+    path[1..path.len() - 1].to_vec()
 }
 
 /// What is left of either corner below.
@@ -34,10 +36,9 @@ fn an_arc_smaller_than_the_tool_vanishes() {
     };
     assert_eq!(place.line, 2);
     assert!((radius - 0.005).abs() < 1e-12 && (tool_radius - 0.01).abs() < 1e-12);
-    assert_eq!(
-        notices[0].to_string(),
-        "line 2: an arc of radius 5.000000 mm is too narrow for a tool of radius 10.000000 mm"
-    );
+    let said =
+        "line 2: an arc of radius 5.000000 mm is too narrow for a tool of radius 10.000000 mm";
+    assert_eq!(notices[0].to_string(), said);
     // On the outside it becomes larger.
     let (path, notices) = with_notices(contour(self::path(FILLETED), RIGHT, 10.0));
     assert_eq!((path.len(), notices.len()), (3, 0));
@@ -58,7 +59,6 @@ fn an_element_between_inner_corners_reverses() {
     assert_eq!((path.len(), notices.len()), (3, 0));
 }
 
-/// Several short elements in one corner.
 #[test]
 fn the_path_is_found_again_behind_several_elements() {
     let points = words((0..=6).map(|step| {
@@ -88,26 +88,16 @@ fn a_slot_narrower_than_the_tool_is_gouged() {
     let slot = path("0,100 0,0 10,0 10,100");
     let (path, notices) = with_notices(contour(slot, LEFT, 10.0));
     assert!(path.len() >= 3);
-    let depth = |from: u32, into: u32| {
-        notices.iter().find_map(|notice| match notice {
-            Notice::Gouge { place, damaged, depth }
-                if (place.line, damaged.line) == (from, into) =>
-            {
-                Some(*depth)
-            }
-            _ => None,
-        })
-    };
     // At the offset from one wall the centre is inside the other.
-    for (from, into) in [(1, 3), (3, 1)] {
-        assert!(depth(from, into).is_some_and(|depth| (depth - 0.01).abs() < 1e-12), "{notices:?}");
+    for lines in [[1, 3], [3, 1]] {
+        let gouge = gouges(&notices).into_iter().find(|(found, _)| *found == lines);
+        assert!(gouge.is_some_and(|(_, depth)| (depth - 0.01).abs() < 1e-12), "{notices:?}");
     }
     let text = notices.iter().map(ToString::to_string).find(|text| text.contains("line 3"));
     assert!(text.is_some_and(|text| text.ends_with("mm into the contour of line 3")));
 }
 
-/// A contour that closes at an inner corner: its first and last element do not know of each other, but the tool is
-/// looked at.
+/// A contour that closes at an inner corner, whose first and last element do not know of each other.
 #[test]
 fn inner_corner_where_a_contour_closes() {
     // Long enough to leave the window.
@@ -115,21 +105,15 @@ fn inner_corner_where_a_contour_closes() {
     let square = path(&format!("0,0 100,0 {side} 0,100 0,0"));
     let last = u32::try_from(square.len()).unwrap();
     let (_, notices) = with_notices(contour(square, LEFT, 10.0));
-    let pairs: Vec<_> = notices
-        .iter()
-        .filter_map(|notice| match notice {
-            Notice::Gouge { place, damaged, .. } => Some((place.line, damaged.line)),
-            _ => None,
-        })
-        .collect();
-    assert!(pairs.contains(&(1, last)) && pairs.contains(&(last, 1)), "{pairs:?}");
+    let pairs: Vec<_> = gouges(&notices).into_iter().map(|(lines, _)| lines).collect();
+    assert!(pairs.contains(&[1, last]) && pairs.contains(&[last, 1]), "{pairs:?}");
 }
 
 #[test]
 fn a_hole_smaller_than_the_tool() {
     let (_, notices) = with_notices(path("D10 5,0 G41 o0,0:360 G40"));
     assert!(notices.iter().any(|notice| matches!(notice, Notice::TooNarrow { .. })));
-    assert!(notices.iter().any(|notice| matches!(notice, Notice::Gouge { .. })));
+    assert!(!gouges(&notices).is_empty());
 }
 
 /// Without look-ahead the offset crosses itself, as in the manual; loop avoidance after it finds the same path.
@@ -139,20 +123,13 @@ fn loop_avoidance_does_it_too() {
         let mut elements = contour(path(elements), LEFT, 10.0);
         elements[0].marks = elements[0].marks.with(Marks::LOOPS);
         elements[2].marks = elements[2].marks.with(Marks::LOOPS_END);
-        let notices = Notices::default();
         let options = ToolRadiusOptions { look_ahead: 0, ..ToolRadiusOptions::default() };
-        let items = elements.into_iter().map(Ok::<_, Error>);
-        let offset = ToolRadius::new(items, options, notices.clone());
-        let mut path: Vec<_> =
-            AvoidLoops::new(offset, notices.clone()).map(Result::unwrap).collect();
-        path.remove(0);
-        path.pop();
-        assert_path(&path, OFFSET);
-        let reported = taken(&notices);
-        assert!(
-            reported.iter().any(|notice| matches!(notice, Notice::LoopCut { .. })),
-            "{reported:?}"
-        );
+        let (path, notices) = through(elements, |items, notices| {
+            AvoidLoops::new(ToolRadius::new(items, options, notices.clone()), notices)
+        });
+        assert_path(&without_ramps(&path), OFFSET);
+        let cut = |notice: &Notice| matches!(notice, Notice::LoopCut { .. });
+        assert!(notices.iter().any(cut), "{notices:?}");
     }
 }
 
@@ -161,28 +138,22 @@ fn loop_avoidance_does_it_too() {
 fn curves_are_offset_to_the_tolerance() {
     let start = Point3::new(0.08, 0.0, 0.0);
     let ellipse = Ellipse::new(start, start, Point2::origin(), Vector2::new(0.08, 0.0), 0.05, TAU);
-    let bend = Cubic::hermite(
-        Point3::new(0.0, 0.0, 0.0),
-        Point3::new(0.2, 0.05, 0.03),
-        Vector2::new(0.2, 0.1),
-        Vector2::new(0.2, 0.1),
-    );
+    let (end, direction) = (Point3::new(0.2, 0.05, 0.03), Vector2::new(0.2, 0.1));
+    let bend = Cubic::hermite(Point3::origin(), end, direction, direction);
     for shape in [Shape::Ellipse(Box::new(ellipse)), Shape::Cubic(Box::new(bend))] {
         for (side, tolerance) in [(LEFT, 1e-6), (RIGHT, 1e-6), (LEFT, 1e-4)] {
             let curve = switched(element(ElementKind::Cut, shape.clone(), 0.05), &[(7, 0.5)]);
             let options = ToolRadiusOptions { tolerance, ..ToolRadiusOptions::default() };
-            let (path, notices) = correct(contour(vec![curve], side, 5.0), options);
+            let (path, notices) = correct_with(contour(vec![curve], side, 5.0), options);
             assert_eq!(notices, []);
-            let path = &path[1..path.len() - 1];
-            let points: Vec<_> = (0..=4000)
-                .map(|sample| shape.at(shape.length() * f64::from(sample) / 4000.0).position.xy())
-                .collect();
-            for element in path {
+            let path = without_ramps(&path);
+            let point = |n: i32| shape.at(shape.length() * f64::from(n) / 4000.0).position.xy();
+            let points: Vec<_> = (0..=4000).map(point).collect();
+            for element in &path {
                 for part in [0.0, 0.3, 0.7] {
                     let at = element.at(part * element.length()).position.xy();
-                    let nearest =
-                        points.iter().map(|p| (p - at).norm()).fold(f64::INFINITY, f64::min);
-                    assert!((nearest - 0.005).abs() < tolerance + 1e-6, "{nearest}");
+                    let away = points.iter().map(|p| (p - at).norm()).fold(f64::INFINITY, f64::min);
+                    assert!((away - 0.005).abs() < tolerance + 1e-6, "{away}");
                 }
             }
             for pair in path.windows(2) {
@@ -198,17 +169,10 @@ fn curves_are_offset_to_the_tolerance() {
     }
 }
 
-/// Memory is bounded wherever the path goes, and however many M functions come in a row.
 #[test]
 fn the_window_is_bounded() {
-    let stairs = (0..5000_u32).map(|n| {
-        let at = |n: u32| [f64::from(n.div_ceil(2)) * 0.1, f64::from(n / 2) * 0.1, 0.0];
-        let marks = if n == 0 { LEFT } else { Marks::default() };
-        let place = Place { line: n + 1, block: None };
-        let step = cut(at(n), at(n + 1), 0.05);
-        Ok::<_, Error>(PathElement { place, marks, tool_radius: 0.01, ..step })
-    });
     let pulled = std::cell::Cell::new(0);
+    let stairs = contour(stairs(5000), LEFT, 10.0).into_iter().map(Ok::<_, Error>);
     let stairs = stairs.inspect(|_| pulled.set(pulled.get() + 1));
     let options = ToolRadiusOptions::default();
     let mut path = ToolRadius::new(stairs, options, Notices::default());
@@ -216,12 +180,8 @@ fn the_window_is_bounded() {
         assert!(pulled.get() <= element.place.line + 130, "{} at {}", pulled.get(), element.place);
     }
     assert_eq!(pulled.get(), 5000);
-    let lines = contour(self::path(super::CORNER), LEFT, 10.0);
-    let many = std::iter::repeat_with(|| Ok::<_, Error>(m_function(lines[0].end()))).take(10_000);
-    let items = std::iter::once(Ok(lines[0].clone())).chain(many).chain([Ok(lines[1].clone())]);
-    let path: Vec<_> =
-        ToolRadius::new(items, options, Notices::default()).map(Result::unwrap).collect();
-    crate::prepare::tests::assert_continuous(&path);
+    let many = with_many(contour(self::path(super::CORNER), LEFT, 10.0), 10_000);
+    let (path, _) = correct_with(many, options);
     assert_eq!(path.iter().filter(|element| !element.kind.is_motion()).count(), 10_000);
 }
 
@@ -229,9 +189,9 @@ fn the_window_is_bounded() {
 #[test]
 fn an_arc_of_the_tools_radius() {
     let (path, _) = with_notices(path("D10 0,0 G41 100,0 o100,10:180 0,20 G40"));
-    let length: f64 = path.iter().map(PathElement::length).sum();
-    assert!((length - 0.2).abs() < 1e-9, "{path:?}");
+    assert!((length(&path) - 0.2).abs() < 1e-9, "{path:?}");
 }
+
 /// A circle in segments of 0.1 mm, its numbers in micrometres: corners of both kinds, none of which is one.
 #[test]
 fn fine_segments() {

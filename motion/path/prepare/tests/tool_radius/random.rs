@@ -1,9 +1,9 @@
 //! Properties of the offset of random paths.
 
-use super::{LEFT, RIGHT, contour, correct};
+use super::{LEFT, RIGHT, contour, correct, gouges};
+use crate::prepare::Notice;
 use crate::prepare::planar::{Curve, distance};
-use crate::prepare::tests::{cut, element, numbered, random_path};
-use crate::prepare::{Notice, ToolRadiusOptions};
+use crate::prepare::tests::{cut, element, ends, numbered, random_path};
 use crate::{Arc, ElementKind, PathElement, Shape};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
@@ -23,19 +23,11 @@ proptest! {
     #[test]
     fn the_tool_keeps_its_distance(
         path in random_path(false),
-        left in any::<bool>(),
+        side in prop::sample::select(vec![LEFT, RIGHT]),
         radius in 0.0005..0.03,
     ) {
-        let side = if left { LEFT } else { RIGHT };
-        let (after, notices) =
-            correct(contour(path.clone(), side, radius * 1e3), ToolRadiusOptions::default());
-        let reported: HashSet<_> = notices
-            .iter()
-            .filter_map(|notice| match notice {
-                Notice::Gouge { place, damaged, .. } => Some((place.line, damaged.line)),
-                _ => None,
-            })
-            .collect();
+        let (after, notices) = correct(contour(path.clone(), side, radius * 1e3));
+        let reported: HashSet<_> = gouges(&notices).into_iter().map(|(lines, _)| lines).collect();
         let contours: Vec<_> = path
             .iter()
             .filter_map(|element| Some((element.place.line, Curve::of(&element.shape)?)))
@@ -43,7 +35,7 @@ proptest! {
         for element in after.iter().filter(|element| element.kind == ElementKind::Cut) {
             for (line, contour) in &contours {
                 let own = *line == element.place.line;
-                if reported.contains(&(element.place.line, *line)) {
+                if reported.contains(&[element.place.line, *line]) {
                     continue;
                 }
                 for part in [0.0, 0.1, 0.25, 0.5, 0.8, 1.0] {
@@ -55,12 +47,11 @@ proptest! {
         }
     }
 
-    /// Numbers in whole micrometres leave neighbours that were tangent with a turn, and arcs with two radii. That is
-    /// no reason to find anything wrong, nor to lose a piece.
+    /// Numbers in whole micrometres leave turns between tangent neighbours and arcs with two radii: nothing is wrong or lost.
     #[test]
     fn programs_have_rounded_numbers(
         steps in prop::collection::vec((0.02..0.06, 0.02..0.05, 0.2..2.0, any::<bool>()), 1..6),
-        left in any::<bool>(),
+        side in prop::sample::select(vec![LEFT, RIGHT]),
     ) {
         let rounded = |point: Point3<f64>| point.map(|x| (x * 1e6).round() * 1e-6);
         let (mut at, mut heading) = (Point3::origin(), 0.0_f64);
@@ -84,8 +75,7 @@ proptest! {
             at = end;
         }
         let path = numbered(path);
-        let side = if left { LEFT } else { RIGHT };
-        let (after, notices) = correct(contour(path.clone(), side, 5.0), ToolRadiusOptions::default());
+        let (after, notices) = correct(contour(path.clone(), side, 5.0));
         // Far away from itself the path may come near to itself.
         let unexpected = |notice: &&Notice| match notice {
             Notice::Gouge { place, damaged, .. } => place.line.abs_diff(damaged.line) <= 1,
@@ -96,15 +86,9 @@ proptest! {
         prop_assert_eq!(lines.len(), path.len());
     }
 
-    /// Also with curves the path never breaks, and its ends are those of the contour.
     #[test]
-    fn the_path_never_breaks(path in random_path(true), left in any::<bool>(), radius in 0.0..0.05) {
-        let side = if left { LEFT } else { RIGHT };
-        let (after, _) =
-            correct(contour(path.clone(), side, radius * 1e3), ToolRadiusOptions::default());
-        let ends = |path: &[PathElement]| {
-            path.first().map(PathElement::start).zip(path.last().map(PathElement::end))
-        };
+    fn the_path_never_breaks(path in random_path(true), side in prop::sample::select(vec![LEFT, RIGHT]), radius in 0.0..0.05) {
+        let (after, _) = correct(contour(path.clone(), side, radius * 1e3));
         prop_assert_eq!(ends(&after), ends(&path));
     }
 }
