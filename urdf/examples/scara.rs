@@ -32,12 +32,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     for [a, b, z] in [[0.0, 0.0, 0.0], [30.0, 60.0, 20.0], [-90.0, 45.0, 100.0]] {
         let [first, second, height] = [f64::to_radians(a), f64::to_radians(b), z * 1e-3];
         let tip = read.tip_position(&[first, second, height]);
-        println!(
-            "A {a} degrees, B {b} degrees, Z {z} mm: tip at ({:.3}, {:.3}, {:.3}) mm",
-            tip.x * 1e3,
-            tip.y * 1e3,
-            tip.z * 1e3
-        );
+        let [tip_x, tip_y, tip_z] = [tip.x, tip.y, tip.z].map(|at| at * 1e3);
+        println!("A {a}°, B {b}°, Z {z} mm: tip at ({tip_x:.3}, {tip_y:.3}, {tip_z:.3}) mm");
         // The transform knows x and y of the same point; z is that of the flange less the tool.
         let pose = scara.forward(&AxisVector::from_values([first, second]))?;
         let expected = Vector3::new(pose.position.x, pose.position.y, height - TOOL);

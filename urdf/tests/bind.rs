@@ -1,43 +1,31 @@
 //! Tests of binding a loaded model to machine axes.
 
-use super::seeded;
+use super::{assert_near, seeded};
 use crate::{AxisJoint, BindError, JointDrive, JointKind, Model, UrdfOptions};
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
 use std::path::Path;
 
 /// Two arms of 1 m, a quill that goes down when its joint goes up, a gripper of two fingers of which one mimics the other.
+const ROBOT: &str = "<robot name='r'>
+  <link name='base'/> <link name='arm1'/> <link name='arm2'/> <link name='quill'/>
+  <link name='finger1'/> <link name='finger2'/> <link name='tcp'/>
+  <joint name='j1' type='revolute'><parent link='base'/><child link='arm1'/>
+    <axis xyz='0 0 1'/><limit lower='-2' upper='2' velocity='1' effort='1'/></joint>
+  <joint name='j2' type='revolute'><parent link='arm1'/><child link='arm2'/><origin xyz='1 0 0'/>
+    <axis xyz='0 0 1'/><limit lower='-2.5' upper='2.5' velocity='1' effort='1'/></joint>
+  <joint name='j3' type='prismatic'><parent link='arm2'/><child link='quill'/><origin xyz='1 0 0'/>
+    <axis xyz='0 0 -1'/><limit lower='0' upper='0.3' velocity='1' effort='1'/></joint>
+  <joint name='left' type='prismatic'><parent link='quill'/><child link='finger1'/>
+    <axis xyz='0 1 0'/><limit lower='0' upper='0.02' velocity='1' effort='1'/></joint>
+  <joint name='right' type='prismatic'><parent link='quill'/><child link='finger2'/><axis xyz='0 1 0'/>
+    <limit lower='-0.1' upper='0.1' velocity='1' effort='1'/><mimic joint='left' multiplier='-1' offset='0.001'/></joint>
+  <joint name='flange' type='fixed'><parent link='quill'/><child link='tcp'/><origin xyz='0 0 -0.1'/></joint>
+</robot>";
+
 fn robot() -> Model {
-    let joint = |name: &str, kind: &str, parent: &str, child: &str, origin: &str, more: &str| {
-        format!(
-            "<link name='{child}'/><joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>\
-             <origin {origin}/>{more}</joint>"
-        )
-    };
-    let limited = |axis: &str, lower: f64, upper: f64| {
-        format!(
-            "<axis xyz='{axis}'/><limit lower='{lower}' upper='{upper}' velocity='1' effort='1'/>"
-        )
-    };
-    let text = [
-        "<robot name='r'><link name='base'/>".to_owned(),
-        joint("j1", "revolute", "base", "arm1", "", &limited("0 0 1", -2.0, 2.0)),
-        joint("j2", "revolute", "arm1", "arm2", "xyz='1 0 0'", &limited("0 0 1", -2.5, 2.5)),
-        joint("j3", "prismatic", "arm2", "quill", "xyz='1 0 0'", &limited("0 0 -1", 0.0, 0.3)),
-        joint("left", "prismatic", "quill", "finger1", "", &limited("0 1 0", 0.0, 0.02)),
-        joint(
-            "right",
-            "prismatic",
-            "quill",
-            "finger2",
-            "",
-            &(limited("0 1 0", -0.1, 0.1) + "<mimic joint='left' multiplier='-1' offset='0.001'/>"),
-        ),
-        joint("flange", "fixed", "quill", "tcp", "xyz='0 0 -0.1'", ""),
-        "</robot>".to_owned(),
-    ];
     let options = UrdfOptions { tip_link: Some("tcp".to_owned()), ..UrdfOptions::default() };
-    Model::read_urdf(&text.concat(), Path::new(""), &options).unwrap().model
+    Model::read_urdf(ROBOT, Path::new(""), &options).unwrap().model
 }
 
 fn axis(machine_axis: usize, joint: &str, reversed: bool, offset: f64) -> AxisJoint {
@@ -69,8 +57,7 @@ proptest! {
             let difference = (stand * expected).to_homogeneous() - found.to_homogeneous();
             prop_assert!(difference.norm() < 1e-13, "{difference}");
         }
-        let tip = stand * read.tip_position(&joints);
-        prop_assert!((bound.tip_position(&q) - tip).norm() < 1e-13);
+        assert_near(bound.tip_position(&q), stand * read.tip_position(&joints), 1e-13);
         // Limits are those of the axis.
         let [lower, upper] = bound.joints[3].usable_limits().unwrap();
         let ends = [0.0, 0.3].map(|end| if reversed[2] { offset[2] - end } else { end - offset[2] });
@@ -87,16 +74,14 @@ fn joints_that_are_held_do_not_move() {
     model.bind(&axes, &[("left".to_owned(), 0.015)]).unwrap();
     let moving: Vec<_> = model.moving_joints().map(|(_, joint)| joint.name.as_str()).collect();
     assert_eq!(moving, ["j1", "j2", "j3"]);
-    let fixed = |index: usize| (model.joints[index].kind, model.joints[index].drive.clone());
-    assert_eq!(
-        (fixed(3), fixed(4)),
-        ((JointKind::Fixed, JointDrive::Fixed), (JointKind::Fixed, JointDrive::Fixed))
-    );
+    for joint in &model.joints[3..=4] {
+        assert_eq!((joint.kind, &joint.drive), (JointKind::Fixed, &JointDrive::Fixed));
+    }
     let poses = model.link_poses(&[0.0, 0.0, -0.1]);
     // The axis goes down when it goes back: the joint's direction is −z.
-    assert!((poses[4].translation.vector - Vector3::new(2.0, 0.015, -0.1)).norm() < 1e-15);
-    assert!((poses[5].translation.vector - Vector3::new(2.0, -0.014, -0.1)).norm() < 1e-15);
-    assert!((model.tip_position(&[0.0, 0.0, -0.1]) - Point3::new(2.0, 0.0, -0.2)).norm() < 1e-15);
+    assert_near(poses[4] * Point3::origin(), [2.0, 0.015, -0.1], 1e-15);
+    assert_near(poses[5] * Point3::origin(), [2.0, -0.014, -0.1], 1e-15);
+    assert_near(model.tip_position(&[0.0, 0.0, -0.1]), [2.0, 0.0, -0.2], 1e-15);
 }
 
 #[test]
@@ -107,10 +92,8 @@ fn what_does_not_belong_together_is_named() {
     };
     let all =
         |last: &str| ["j1", "j2", "j3", last].map(|joint| axis(0, joint, false, 0.0)).to_vec();
-    assert_eq!(
-        refusal(&all("J4"), &[]).to_string(),
-        "there is no joint J4; those that move are j1, j2, j3, left"
-    );
+    let unknown = refusal(&all("J4"), &[]).to_string();
+    assert_eq!(unknown, "there is no joint J4; those that move are j1, j2, j3, left");
     assert_eq!(refusal(&all("flange"), &[]), BindError::Fixed("flange".to_owned()));
     assert_eq!(refusal(&all("right"), &[]), BindError::Mimics("right".to_owned()));
     assert_eq!(refusal(&all("j1"), &[]), BindError::Twice("j1".to_owned()));
@@ -129,10 +112,10 @@ fn a_tool_hangs_on_the_tip() {
     let mut model = robot();
     let half_turn = Isometry3::rotation(Vector3::x() * std::f64::consts::PI);
     model.mount_tool(&half_turn, &Vector3::new(0.01, 0.02, -0.05), 0.3).unwrap();
-    assert!((model.tip.point - Point3::new(0.01, -0.02, 0.05)).norm() < 1e-15);
+    assert_near(model.tip.point, [0.01, -0.02, 0.05], 1e-15);
     let link = &model.links[model.tip.link];
     let inertial = link.inertial.unwrap();
-    assert!((inertial.center - Point3::new(0.01, -0.02, 0.025)).norm() < 1e-15, "{inertial:?}");
+    assert_near(inertial.center, [0.01, -0.02, 0.025], 1e-15);
     assert_eq!((inertial.mass, link.solids.len()), (0.3, 2));
     assert!(model.mount_tool(&half_turn, &Vector3::z(), 0.3).is_err());
 }

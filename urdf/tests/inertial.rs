@@ -16,7 +16,7 @@ fn octahedron() -> Arc<Mesh> {
         corner[i] += side;
         corner
     };
-    let vertices = (0..6).map(|i| corner(i / 2, if i % 2 == 0 { 1.0 } else { -1.0 })).collect();
+    let vertices = (0..3).flat_map(|i| [corner(i, 1.0), corner(i, -1.0)]).collect();
     // Seen from outside, +x, +y, +z go round counter-clockwise; with an odd number of them mirrored, the other way.
     let triangles = (0..8_u32).map(|side| {
         let of = |axis: u32| 2 * axis + (side >> axis & 1);
@@ -63,6 +63,16 @@ fn summed(solid: &Solid, reach: f64) -> Inertial {
     Inertial { mass: 1.0, center, inertia: inertia.sum() }
 }
 
+#[track_caller]
+fn assert_same(found: &Inertial, expected: &Inertial, within: f64) {
+    let off = [
+        (found.mass - expected.mass).abs(),
+        (found.center - expected.center).norm(),
+        (found.inertia - expected.inertia).norm(),
+    ];
+    assert!(off.iter().all(|off| *off < within), "{found:?} {expected:?}");
+}
+
 #[test]
 fn shapes_agree_with_a_sum_over_their_volume() {
     let origin = Isometry3::new(Vector3::new(0.1, -0.2, 0.15), Vector3::new(0.5, -1.0, 0.7));
@@ -78,9 +88,8 @@ fn shapes_agree_with_a_sum_over_their_volume() {
         let solid = Solid { shape, origin, color: [1.0; 4] };
         let [low, high] = solid.shape.bounds();
         assert!((0..3).all(|i| low[i] < high[i]), "{low} {high}");
-        let (found, expected) = (solid.uniform(1.0), summed(&solid, 1.0));
-        assert!((found.center - expected.center).norm() < 2e-3, "{found:?} {expected:?}");
-        assert!((found.inertia - expected.inertia).norm() < 2e-3, "{found:?} {expected:?}");
+        let found = solid.uniform(1.0);
+        assert_same(&found, &summed(&solid, 1.0), 2e-3);
         assert_eq!(found.inertia, found.inertia.transpose());
     }
 }
@@ -92,33 +101,24 @@ fn a_turned_cylinder_turns_its_inertia() {
     let shape = SolidShape::Cylinder { radius: 0.1, length: 0.6 };
     let found = Solid { shape, origin, color: [1.0; 4] }.uniform(3.0).inertia;
     let (along, across) = (3.0 * 0.01 / 2.0, 3.0 * (0.03 + 0.36) / 12.0);
-    assert!(
-        (found - Matrix3::from_diagonal(&Vector3::new(along, across, across))).norm() < 1e-16,
-        "{found}"
-    );
+    let expected = Matrix3::from_diagonal(&Vector3::new(along, across, across));
+    assert!((found - expected).norm() < 1e-16, "{found}");
+    // A thin long one is a rod.
+    let rod = Inertial::uniform_cylinder(1.0, 1e-9, PI, Point3::origin());
+    assert!((rod.inertia.m11 - PI * PI / 12.0).abs() < 1e-15);
 }
 
-/// Two halves of a box make the box; nothing makes nothing.
 #[test]
 fn a_union_is_the_whole() {
     let half =
         |x| Inertial::uniform_box(2.0, Vector3::new(0.5, 0.2, 0.1), Point3::new(x, 0.0, 0.3));
     let found = Inertial::union(&[half(0.25), half(0.75)]).unwrap();
     let whole = Inertial::uniform_box(4.0, Vector3::new(1.0, 0.2, 0.1), Point3::new(0.5, 0.0, 0.3));
-    assert!(
-        (found.center - whole.center).norm() < 1e-15
-            && (found.inertia - whole.inertia).norm() < 1e-15
-    );
+    assert_same(&found, &whole, 1e-15);
     assert_eq!(Inertial::union(&[]), None);
     let weightless = Inertial::uniform_sphere(0.0, 1.0, Point3::origin());
     assert_eq!(Inertial::union(&[weightless]), None);
     assert_eq!(Inertial::union(&[weightless, whole]), Some(whole));
-}
-
-#[test]
-fn a_thin_long_cylinder_is_a_rod() {
-    let rod = Inertial::uniform_cylinder(1.0, 1e-9, PI, Point3::origin());
-    assert!((rod.inertia.m11 - PI * PI / 12.0).abs() < 1e-15);
 }
 
 #[test]
@@ -149,20 +149,11 @@ fn links_weigh_what_their_solids_do() {
     };
     // Two bars of one section, 0.1 and 0.3 m long, end to end.
     let bars = vec![solid([0.1, 0.02, 0.02], 0.05), solid([0.3, 0.02, 0.02], 0.25)];
-    let whole = Inertial::uniform_box(
-        0.4 * 0.02 * 0.02 * 2700.0,
-        Vector3::new(0.4, 0.02, 0.02),
-        Point3::new(0.2, 0.0, 0.0),
-    );
+    let (mass, size) = (0.4 * 0.02 * 0.02 * 2700.0, Vector3::new(0.4, 0.02, 0.02));
+    let whole = Inertial::uniform_box(mass, size, Point3::new(0.2, 0.0, 0.0));
     let link = Link::new("bars", None, bars);
-    let found = link.uniform_at(2700.0).unwrap();
-    let same = |one: &Inertial, other: &Inertial| {
-        (one.mass - other.mass).abs() < 1e-12
-            && (one.center - other.center).norm() < 1e-12
-            && (one.inertia - other.inertia).norm() < 1e-12
-    };
-    assert!(same(&found, &whole), "{found:?} {whole:?}");
-    assert!(same(&link.uniform_of(whole.mass), &whole));
+    assert_same(&link.uniform_at(2700.0).unwrap(), &whole, 1e-12);
+    assert_same(&link.uniform_of(mass), &whole, 1e-12);
     let nothing = Link::new("frame", None, Vec::new());
     assert_eq!(nothing.uniform_at(2700.0), None);
     let point = nothing.uniform_of(0.2);
@@ -181,10 +172,9 @@ fn a_payload_becomes_a_part_of_the_link_that_carries_it() {
     model.links[link].inertial = None;
     model.mount_payload(&flange, &payload).unwrap();
     // z of the flange is x of the link, and x of the flange is −z of it.
-    let carried = model.links[link].inertial.unwrap();
-    assert!((carried.center - Point3::new(0.6, 0.0, 0.0)).norm() < 1e-15, "{carried:?}");
-    let expected = Matrix3::from_diagonal(&Vector3::new(0.03, 0.02, 0.01));
-    assert!((carried.inertia - expected).norm() < 1e-15, "{carried:?}");
+    let inertia = Matrix3::from_diagonal(&Vector3::new(0.03, 0.02, 0.01));
+    let expected = Inertial { mass: 2.0, center: Point3::new(0.6, 0.0, 0.0), inertia };
+    assert_same(&model.links[link].inertial.unwrap(), &expected, 1e-15);
     let refusal = |payload| model.clone().mount_payload(&flange, &payload).unwrap_err();
     let light = refusal(Inertial { mass: 0.0, ..payload });
     assert!(light.to_string().starts_with("the mass of the payload is 0"), "{light}");

@@ -48,65 +48,37 @@ fn changed(from: &str, to: &str) -> String {
     read(&TEXT.replacen(&from, &to, 1)).unwrap_err().to_string()
 }
 
-#[test]
-fn the_text_itself_is_read() {
-    let loaded = read(TEXT).unwrap();
-    assert_eq!((loaded.model.links.len(), loaded.warnings), (2, Vec::new()));
-}
+/// A part of the text, what takes its place, and what is said then: of the form of the text, and of what it says.
+const CHANGES: &str = r#"size='1 1 1' | size='1 1' | 7: link base: size of <box> is "1 1"; expected three numbers
+value='1' | value='one' | 13: link slide: value of <mass> is "one"; expected a number
+rpy='0 0 0' | rpy='0 0 ${pi/2}' | 6: this is xacro, of which URDF is made: run `xacro IN.urdf.xacro > OUT.urdf` and take what it writes
+<parent link='base'/> |  | 21: joint X: <joint> has no <parent>
+name='slide' | nom='slide' | 11: <link> has no name
+rgba='1 0 0 1' | rgba='red' | 3: rgba of <color> is "red"; expected four numbers
+radius='1' | radius='-1' | 16: link slide: the radius of a sphere is -1; it must be above 0
+value='1' | value='-1' | 12: link slide: its mass is -1; it must be above 0
+1 0 0' | 0 0 0' | 24: joint X: its axis is 0 0 0
+upper='1' | upper='-1' | 25: joint X: its lower limit 0 is above its upper limit -1
+<child link='slide'/> | <child link='gone'/> | 21: joint X: there is no link gone
+xyz='0 0 0' | xyz='0 0 inf' | 5: link base: an origin is not a finite number
+link name='base' | link name='slide' | 11: there are two of link slide
+type='fixed' | type='planar' | 20: link tool_tip marks the tool tip: it has neither body nor mass, hangs on a fixed joint and carries nothing
+type='prismatic' | type='floating' | 21: joint X: a floating joint is not supported yet"#;
 
 #[test]
 fn lines_and_parts_are_named() {
-    for (from, to, expected) in [
-        // The form of the text.
-        (
-            "size='1 1 1'",
-            "size='1 1'",
-            "7: link base: size of <box> is \"1 1\"; expected three numbers",
-        ),
-        (
-            "value='1'",
-            "value='one'",
-            "13: link slide: value of <mass> is \"one\"; expected a number",
-        ),
-        (
-            "rpy='0 0 0'",
-            "rpy='0 0 ${pi/2}'",
-            "6: this is xacro, of which URDF is made: run `xacro IN.urdf.xacro > OUT.urdf` and take what it writes",
-        ),
-        ("<parent link='base'/>", "", "21: joint X: <joint> has no <parent>"),
-        ("name='slide'", "nom='slide'", "11: <link> has no name"),
-        ("rgba='1 0 0 1'", "rgba='red'", "3: rgba of <color> is \"red\"; expected four numbers"),
-        // What it says.
-        (
-            "radius='1'",
-            "radius='-1'",
-            "16: link slide: the radius of a sphere is -1; it must be above 0",
-        ),
-        ("value='1'", "value='-1'", "12: link slide: its mass is -1; it must be above 0"),
-        ("1 0 0'", "0 0 0'", "24: joint X: its axis is 0 0 0"),
-        ("upper='1'", "upper='-1'", "25: joint X: its lower limit 0 is above its upper limit -1"),
-        ("<child link='slide'/>", "<child link='gone'/>", "21: joint X: there is no link gone"),
-        ("xyz='0 0 0'", "xyz='0 0 inf'", "5: link base: an origin is not a finite number"),
-        ("link name='base'", "link name='slide'", "11: there are two of link slide"),
-        (
-            "type='fixed'",
-            "type='planar'",
-            "20: link tool_tip marks the tool tip: it has neither body nor mass, hangs on a fixed joint and carries nothing",
-        ),
-        (
-            "type='prismatic'",
-            "type='floating'",
-            "21: joint X: a floating joint is not supported yet",
-        ),
-    ] {
-        assert_eq!(changed(from, to), format!("some/robot.urdf:{expected}"), "{from} → {to}");
+    let loaded = read(TEXT).unwrap();
+    assert_eq!((loaded.model.links.len(), loaded.warnings), (2, Vec::new()));
+    for change in CHANGES.lines() {
+        let [from, to, expected] = change.split(" | ").collect::<Vec<_>>()[..] else {
+            panic!("{change}")
+        };
+        assert_eq!(changed(from, to), format!("some/robot.urdf:{expected}"), "{change}");
     }
     let orientation = format!("rpy=\"0 0 0\" {}=\"0 0 0 1\"", crate::QUATERNION);
     let refusal = changed("rpy='0 0 0'", &orientation);
-    assert!(
-        refusal.starts_with("some/robot.urdf:5: link base: rpy and quaternion_wxyz"),
-        "{refusal}"
-    );
+    let expected = "some/robot.urdf:5: link base: rpy and quaternion_wxyz";
+    assert!(refusal.starts_with(expected), "{refusal}");
 }
 
 #[test]
@@ -144,22 +116,15 @@ fn xacro_is_recognised() {
 fn what_only_looks_differently_is_a_warning() {
     let text = TEXT.replace("<material name=\"red\"/>", "<material name=\"blue\"/>");
     let loaded = read(&text).unwrap();
-    let said: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
-    assert_eq!(
-        said,
-        [
-            "some/robot.urdf:5: link base: the colour of material \"blue\" is not in this file; grey is taken"
-        ]
-    );
-    assert_eq!(
-        loaded.model.links[0].solids[0].color.map(f64::to_bits),
-        [0.6, 0.6, 0.6, 1.0].map(f64::to_bits)
-    );
+    let [warning] = &loaded.warnings[..] else { panic!("{:?}", loaded.warnings) };
+    let expected = "some/robot.urdf:5: link base: the colour of material \"blue\" is not in this file; grey is taken";
+    assert_eq!(warning.to_string(), expected);
+    let grey = [0.6, 0.6, 0.6, 1.0].map(f64::to_bits);
+    assert_eq!(loaded.model.links[0].solids[0].color.map(f64::to_bits), grey);
     let texture = "<material name=\"wood\"><texture filename=\"wood.png\"/></material>";
     let loaded = read(&TEXT.replace("<material name=\"red\"/>", texture)).unwrap();
-    assert!(
-        matches!(&loaded.warnings[0].note, UrdfNote::Texture { file, .. } if file == "wood.png")
-    );
+    let UrdfNote::Texture { file, .. } = &loaded.warnings[0].note else { panic!("{loaded:?}") };
+    assert_eq!(file, "wood.png");
 }
 
 /// 3.14 is meant to be half a turn, where one says so; 3.1 is not.
@@ -172,13 +137,10 @@ fn right_angles_that_were_rounded() {
     // At a pitch of −90° roll and yaw are one: their sum.
     assert!((pitch + std::f64::consts::FRAC_PI_2).abs() < 1e-7, "{roll} {pitch} {yaw}");
     let notes: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
-    assert_eq!(
-        notes,
-        [
-            "line 5: link base: an angle of 3.14 rad is taken as 180°",
-            "line 5: link base: an angle of -1.571 rad is taken as -90°",
-        ]
-    );
+    let angles = [("3.14", "180"), ("-1.571", "-90")];
+    let note =
+        |(rad, degrees)| format!("line 5: link base: an angle of {rad} rad is taken as {degrees}°");
+    assert_eq!(notes, angles.map(note));
     assert!(read(&text).unwrap().warnings.is_empty());
 }
 

@@ -1,25 +1,26 @@
 //! Tests of loop closure and of joints that several axes move.
 
-use super::{pose_of, seeded};
+use super::{assert_near, pose_of, seeded};
 use crate::{Joint, JointDrive, JointKind, Link, Loop, LoopError, Model, Tip, UrdfOptions};
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use std::path::Path;
 
+/// With the axis of the joint.
+type Kind = (JointKind, [f64; 3]);
+
+const TURNING: Kind = (JointKind::Revolute, [0.0, 0.0, 1.0]);
+const ALONG_X: Kind = (JointKind::Prismatic, [1.0, 0.0, 0.0]);
+const ALONG_Y: Kind = (JointKind::Prismatic, [0.0, 1.0, 0.0]);
+
 /// A link of no body behind a joint of `parent`.
-fn add(
-    model: &mut Model,
-    kind: JointKind,
-    parent: usize,
-    origin: [f64; 3],
-    axis: [f64; 3],
-    drive: JointDrive,
-) -> usize {
+fn add(model: &mut Model, kind: Kind, parent: usize, at: [f64; 3], drive: JointDrive) -> usize {
     let child = model.links.len();
     let name = format!("part{child}");
     model.links.push(Link::new(name.clone(), None, Vec::new()));
-    let origin = Isometry3::from(Vector3::from(origin));
+    let (kind, axis) = kind;
+    let origin = Isometry3::from(Vector3::from(at));
     let axis = Unit::new_normalize(Vector3::from(axis));
     model.joints.push(Joint::new(name, kind, [parent, child], origin, axis, drive));
     child
@@ -38,13 +39,10 @@ fn base() -> Model {
 /// A crank of length `crank` about z at the origin, a rod of length `rod`, and a slider on the x axis in front of it.
 fn slider_crank(crank: f64, rod: f64) -> Model {
     let mut model = base();
-    let turning = [0.0, 0.0, 1.0];
     let passive = |rest| JointDrive::Passive { rest };
-    let arm = add(&mut model, JointKind::Revolute, 0, [0.0; 3], turning, JointDrive::Axis(0));
-    let coupler =
-        add(&mut model, JointKind::Revolute, arm, [crank, 0.0, 0.0], turning, passive(0.0));
-    let slider =
-        add(&mut model, JointKind::Prismatic, 0, [0.0; 3], [1.0, 0.0, 0.0], passive(crank + rod));
+    let arm = add(&mut model, TURNING, 0, [0.0; 3], JointDrive::Axis(0));
+    let coupler = add(&mut model, TURNING, arm, [crank, 0.0, 0.0], passive(0.0));
+    let slider = add(&mut model, ALONG_X, 0, [0.0; 3], passive(crank + rod));
     let points = [Point3::new(rod, 0.0, 0.0), Point3::origin()];
     model.loops.push(Loop { links: [coupler, slider], points });
     model.tip = Tip { link: slider, point: Point3::new(0.0, 0.0, 0.1) };
@@ -70,8 +68,7 @@ proptest! {
         // Where crank and rod are at right angles, nothing is lost; where they are in line neither.
         let error = (found.values()[2] - slider(angle)).abs();
         prop_assert!(error <= 1e-12, "{error} {found:?}");
-        let tip = model.tip_position(&[angle]);
-        prop_assert!((tip - Point3::new(slider(angle), 0.0, 0.1)).norm() <= 1e-12, "{tip}");
+        assert_near(model.tip_position(&[angle]), [slider(angle), 0.0, 0.1], 1e-12);
 
         // From the instant before it takes a few steps, and only the start differs.
         let mut kept = pose_of(&model, &[angle - 0.01 * before], None).unwrap();
@@ -103,15 +100,13 @@ fn what_cannot_be_joined_is_said() {
     assert!(kept.follow(&model, &[PI / 2.0]).is_err());
     kept.follow(&model, &[0.5]).unwrap();
 
-    assert_eq!(pose_of(&model, &[f64::NAN], None).unwrap_err(), LoopError::NotFinite);
-    assert_eq!(
-        pose_of(&model, &[0.0], Some(&[0.0, f64::NAN, 0.0])).unwrap_err(),
-        LoopError::NotFinite
-    );
-    assert_eq!(
-        pose_of(&model, &[0.0], Some(&[0.0])).unwrap_err(),
-        LoopError::Start { given: 1, expected: 3 }
-    );
+    for (axis, start, expected) in [
+        (f64::NAN, None, LoopError::NotFinite),
+        (0.0, Some(&[0.0, f64::NAN, 0.0][..]), LoopError::NotFinite),
+        (0.0, Some(&[0.0][..]), LoopError::Start { given: 1, expected: 3 }),
+    ] {
+        assert_eq!(pose_of(&model, &[axis], start).unwrap_err(), expected);
+    }
     // Links that are not there are at the origin, and so is nothing that could close the loop.
     let mut odd = model.clone();
     odd.loops[0].links[1] = 9;
@@ -126,25 +121,14 @@ fn what_cannot_be_joined_is_said() {
 fn joints_that_axes_share() {
     let mut model = base();
     let parts = |a, b| JointDrive::Combination(vec![(0, a), (1, b)]);
-    let x = add(
-        &mut model,
-        JointKind::Prismatic,
-        0,
-        [0.1, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        parts(0.5, -0.5),
-    );
-    let y =
-        add(&mut model, JointKind::Prismatic, x, [0.0, 0.2, 0.0], [0.0, 1.0, 0.0], parts(0.5, 0.5));
-    model.tip.link = y;
-    let tip = model.tip_position(&[0.7, 0.3]);
-    assert!((tip - Point3::new(0.3, 0.7, 0.0)).norm() < 1e-15, "{tip}");
+    let x = add(&mut model, ALONG_X, 0, [0.1, 0.0, 0.0], parts(0.5, -0.5));
+    model.tip.link = add(&mut model, ALONG_Y, x, [0.0, 0.2, 0.0], parts(0.5, 0.5));
+    assert_near(model.tip_position(&[0.7, 0.3]), [0.3, 0.7, 0.0], 1e-15);
     let found = pose_of(&model, &[0.7, 0.3], None).unwrap();
     assert!((found.values()[0] - 0.2).abs() < 1e-15 && (found.values()[1] - 0.5).abs() < 1e-15);
     assert_eq!((found.residual(), found.steps()), (0.0, 0));
 }
 
-/// What URDF cannot say is in an element of its own, and read again.
 #[test]
 fn couplings_come_back() {
     let mut model = slider_crank(0.3, 0.5);

@@ -1,10 +1,10 @@
 //! Tests of mimic joints and usable limits.
 
-use super::{pose_of, seeded};
-use crate::{Joint, JointDrive, JointKind, Link, Loop, Model, Tip, UrdfOptions};
+use super::refused::robot;
+use super::{assert_near, pose_of, read, seeded};
+use crate::{Joint, JointDrive, JointKind, Link, Loop, Model, Tip};
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
-use std::path::Path;
 
 /// Three links that turn about z one after the other, 1 m each; the first with axis 0, the others as `drives` say.
 fn chain(drives: [JointDrive; 2]) -> Model {
@@ -44,19 +44,16 @@ proptest! {
         // A closed form of the tip, and every way of asking for it.
         let sums = [expected[0], expected[0] + expected[1], expected.iter().sum()];
         let tip = sums.iter().fold(Point3::origin(), |tip, sum: &f64| tip + Vector3::new(sum.cos(), sum.sin(), 0.0));
-        prop_assert!((model.tip_position(&[angle]) - tip).norm() < 1e-14);
-        let poses = model.link_poses(&[angle]);
-        prop_assert!((poses[3] * model.tip.point - tip).norm() < 1e-14);
+        assert_near(model.tip_position(&[angle]), tip, 1e-14);
+        assert_near(model.link_poses(&[angle])[3] * model.tip.point, tip, 1e-14);
         let found = pose_of(&model, &[angle], None).unwrap();
         prop_assert!(found.values().iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-15));
         let text = model.to_urdf().unwrap();
-        let read = Model::read_urdf(&text, Path::new(""), &UrdfOptions::default()).unwrap().model;
-        prop_assert_eq!(&read, &model);
+        prop_assert_eq!(&read(&text), &model);
         prop_assert_eq!(Model::from_urdf(&text, &["j0"]).unwrap(), model);
     }
 
-    /// An isosceles triangle: a passive joint in its base corner, and one in its tip that follows it, hold the end of two rods
-    /// of 1 m on a slider at x = 2·cos φ.
+    /// An isosceles triangle of two rods of 1 m: a passive joint, one that follows it, and a slider at x = 2·cos φ.
     #[test]
     fn loops_close_with_joints_that_follow(angle in 0.2_f64..1.3) {
         // The first joint is passive here, the slider is the axis; the second turns back twice as far.
@@ -74,9 +71,7 @@ proptest! {
         prop_assert_eq!(second.to_bits(), (-2.0 * first).to_bits());
         prop_assert_eq!(slide.to_bits(), (2.0 * angle.cos()).to_bits());
         prop_assert!(found.residual() < 1e-13);
-        let text = model.to_urdf().unwrap();
-        let read = Model::read_urdf(&text, Path::new(""), &UrdfOptions::default()).unwrap().model;
-        prop_assert_eq!(read, model);
+        prop_assert_eq!(read(&model.to_urdf().unwrap()), model);
     }
 }
 
@@ -89,28 +84,22 @@ fn mimics_in_a_circle_go_nowhere() {
     assert_eq!(chain([mimic(0, 1.0, 0.0), mimic(0, 1.0, 0.0)]).following(0).unwrap().leader, 0);
 }
 
-/// Limits, narrowed by those of a safety controller that gives any.
 #[test]
 fn usable_limits() {
-    let text = |joint: &str| {
-        format!(
-            "<robot name='r'><link name='a'/><link name='b'/><link name='tool_tip'/>\
-             <joint name='X' type='revolute'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/>\
-             <limit lower='-1' upper='2' velocity='1' effort='1'/>{joint}</joint>\
-             <joint name='t' type='fixed'><parent link='b'/><child link='tool_tip'/></joint></robot>"
-        )
+    let limit = "<limit lower='-1' upper='2' velocity='1' effort='1'/>";
+    let joint = |more: &str| {
+        let text = robot("", &format!("{limit}{more}"), "").replace("prismatic", "revolute");
+        Model::from_urdf(&text, &["X"]).unwrap().joints.remove(0)
     };
-    let limits =
-        |joint: &str| Model::from_urdf(&text(joint), &["X"]).unwrap().joints[0].usable_limits();
-    let safety =
-        |soft: &str| format!("<safety_controller k_velocity='10' k_position='100' {soft}/>");
-    assert_eq!(limits(""), Some([-1.0, 2.0]));
-    assert_eq!(limits(&safety("")), Some([-1.0, 2.0]));
-    assert_eq!(limits(&safety("soft_lower_limit='-0.5' soft_upper_limit='3'")), Some([-0.5, 2.0]));
-    assert_eq!(limits(&safety("soft_lower_limit='-2' soft_upper_limit='1.5'")), Some([-1.0, 1.5]));
-    let details = Model::from_urdf(&text("<dynamics damping='0.2' friction='0.1'/>"), &["X"])
-        .unwrap()
-        .joints[0]
-        .details;
+    assert_eq!(joint("").usable_limits(), Some([-1.0, 2.0]));
+    for (soft, expected) in [
+        ("", [-1.0, 2.0]),
+        ("soft_lower_limit='-0.5' soft_upper_limit='3'", [-0.5, 2.0]),
+        ("soft_lower_limit='-2' soft_upper_limit='1.5'", [-1.0, 1.5]),
+    ] {
+        let safety = format!("<safety_controller k_velocity='10' k_position='100' {soft}/>");
+        assert_eq!(joint(&safety).usable_limits(), Some(expected), "{soft}");
+    }
+    let details = joint("<dynamics damping='0.2' friction='0.1'/>").details;
     assert_eq!((details.damping, details.friction), (0.2, 0.1));
 }

@@ -12,9 +12,12 @@ mod read;
 mod refused;
 mod round_trip;
 
-use crate::{GantryDimensions, JointPositions, LoopError, MachineJoint, Model, ScaraDimensions};
-use nalgebra::Vector3;
+use crate::{
+    GantryDimensions, JointPositions, LoopError, MachineJoint, Model, ScaraDimensions, UrdfOptions,
+};
+use nalgebra::{Point3, Vector3};
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
+use std::path::Path;
 
 /// The same cases in every run; `PROPTEST_CASES` sets their number.
 fn seeded() -> ProptestConfig {
@@ -23,6 +26,22 @@ fn seeded() -> ProptestConfig {
         failure_persistence: None,
         ..ProptestConfig::default()
     }
+}
+
+/// The model of a text, an axis for every joint that moves.
+fn read(text: &str) -> Model {
+    Model::read_urdf(text, Path::new(""), &UrdfOptions::default()).unwrap().model
+}
+
+/// The mass of all links.
+fn mass(model: &Model) -> f64 {
+    model.links.iter().filter_map(|link| link.inertial).map(|inertial| inertial.mass).sum()
+}
+
+#[track_caller]
+fn assert_near(found: Point3<f64>, expected: impl Into<Point3<f64>>, within: f64) {
+    let expected = expected.into();
+    assert!((found - expected).norm() < within, "{found} {expected}");
 }
 
 /// URDF text without what only we read.

@@ -4,7 +4,7 @@ use super::gantry;
 use crate::{Link, Model, UrdfError};
 
 /// A machine of one joint, X, with something said about its link and about its joint.
-fn robot(link: &str, joint: &str, more: &str) -> String {
+pub(super) fn robot(link: &str, joint: &str, more: &str) -> String {
     format!(
         r#"<robot name="r">
           <link name="base"/>
@@ -33,17 +33,12 @@ fn visual(geometry: &str) -> String {
 }
 
 #[test]
-fn the_machine_without_what_is_refused_is_read() {
-    Model::from_urdf(&robot(&visual("<box size='1 1 1'/>"), LIMIT, ""), &["X"]).unwrap();
-}
-
-#[test]
 fn solids() {
+    Model::from_urdf(&robot(&visual("<box size='1 1 1'/>"), LIMIT, ""), &["X"]).unwrap();
     for (geometry, said) in [
         ("<capsule radius='1' length='0'/>", "the length of a capsule is 0; it must be above 0"),
         ("<box size='1 0 1'/>", "an edge of a box is 0; it must be above 0"),
         ("<sphere radius='inf'/>", "the radius of a sphere is not a finite number"),
-        ("<box size='1 1'/>", "size of <box> is \"1 1\"; expected three numbers"),
         ("<box size='1 1 x 1'/>", "size of <box> is \"1 1 x 1\"; expected three numbers"),
         ("<cone/>", "<geometry> has no shape (box, cylinder, sphere, capsule or mesh)"),
         ("<sphere radius='1'/><box size='1 1 1'/>", "<geometry> has more than one shape"),
@@ -58,7 +53,6 @@ fn solids() {
 #[test]
 fn masses() {
     for (mass, ixx, said) in [
-        ("-1", "1", "its mass is -1; it must be above 0"),
         ("0", "1", "its mass is 0; it must be above 0"),
         ("inf", "1", "its mass is not a finite number"),
         ("1", "-2", "a principal moment of inertia is -2; it must be above 0"),
@@ -85,7 +79,6 @@ fn joints() {
         ("<dynamics friction='-0.1'/>", ": its friction is -0.1; it must be 0 or above"),
         ("<dynamics damping='inf'/>", ": its damping is not a finite number"),
         (LIMIT, ": <joint> has more than one <limit>"),
-        ("<axis xyz='0 0 0'/>", ": its axis is 0 0 0"),
     ] {
         assert_eq!(of(&format!("{LIMIT}{element}")), format!("joint X{said}"));
     }
@@ -93,7 +86,6 @@ fn joints() {
     for (limit, said) in [
         ("lower='0' upper='1'", "<limit> has no velocity"),
         ("lower='0' upper='1' velocity='-1'", "its velocity limit is -1; it must be 0 or above"),
-        ("lower='2' upper='1' velocity='1'", "its lower limit 2 is above its upper limit 1"),
         ("lower='nan' upper='1' velocity='1'", "a limit is not a finite number"),
     ] {
         assert_eq!(of(&format!("<limit {limit} effort='1'/>")), format!("joint X: {said}"));
@@ -115,19 +107,14 @@ fn trees() {
     let no_base = "no link is the base: each is the child of a joint, or there is none";
     let twice = "link slide is the child of joint X and of joint j; only a tree can be read";
     let apart = "links base and other hang on no joint; only one can be the base";
-    let ring = "<link name='a'/><link name='b'/>".to_owned()
-        + &joint("j", ["a", "b"])
-        + &joint("k", ["b", "a"]);
+    let joints = [joint("j", ["a", "b"]), joint("k", ["b", "a"])].concat();
+    let ring = format!("<link name='a'/><link name='b'/>{joints}");
+    let looped = "joint j is not connected to the base link: its parent links form a loop; correct a <parent> or <child>";
     for (more, said) in [
-        ("<link name='slide'/>".to_owned(), "there are two of link slide"),
-        (joint("j", ["slide", "gone"]), "joint j: there is no link gone"),
         ("<link name='other'/>".to_owned(), apart),
         (joint("j", ["slide", "base"]), no_base),
         (joint("j", ["base", "slide"]), twice),
-        (
-            ring,
-            "joint j is not connected to the base link: its parent links form a loop; correct a <parent> or <child>",
-        ),
+        (ring, looped),
         (joint("X", ["base", "base"]), "there are two of joint X"),
         ("<link name=''/>".to_owned(), "a link or joint has no name"),
     ] {
@@ -135,7 +122,6 @@ fn trees() {
     }
     assert_eq!(refusal("<robot name='r'/>"), no_base);
     assert!(refusal("no XML").starts_with("not URDF: "));
-    assert!(refusal("<robot name='r'>").starts_with("not URDF: "));
 }
 
 #[test]
@@ -156,6 +142,9 @@ fn tool_tips() {
 fn models_that_cannot_be_written() {
     type Change = fn(&mut Model);
     let order = "joint Y: a model's joint i moves link i + 1, and parents come before children";
+    let no_mass = "link carriage: its mass is 0; it must be above 0";
+    let colour = "link base: a colour is not a finite number";
+    let limit = "joint X: a limit is not a finite number";
     let changes: [(Change, &str); 9] = [
         (|model| model.links[1].name = "base".to_owned(), "there are two of link base"),
         (|model| model.links[1].name = "tool_tip".to_owned(), "there are two of link tool_tip"),
@@ -163,18 +152,9 @@ fn models_that_cannot_be_written() {
         (|model| model.joints[2].name.clear(), "a link or joint has no name"),
         (|model| model.joints[1].parent = 2, order),
         (|model| model.tip.point.x = f64::NAN, "joint tool_tip: its origin is not a finite number"),
-        (
-            |model| model.joints[0].effort_limit = Some(f64::NAN),
-            "joint X: a limit is not a finite number",
-        ),
-        (
-            |model| model.links[2].inertial.as_mut().unwrap().mass = 0.0,
-            "link carriage: its mass is 0; it must be above 0",
-        ),
-        (
-            |model| model.links[0].solids[0].color[3] = f64::INFINITY,
-            "link base: a colour is not a finite number",
-        ),
+        (|model| model.joints[0].effort_limit = Some(f64::NAN), limit),
+        (|model| model.links[2].inertial.as_mut().unwrap().mass = 0.0, no_mass),
+        (|model| model.links[0].solids[0].color[3] = f64::INFINITY, colour),
     ];
     for (change, said) in changes {
         let mut model = gantry().model().unwrap();

@@ -8,7 +8,7 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 use twin_urdf::{MachineJoint, ScaraDimensions, Solid, SolidShape};
 use twin_viz::{
     Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MoveKind, Obstacle, PathStrip,
@@ -72,21 +72,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let positions = travel(&path).repeat(repeat);
     let first = positions.first().map_or_else(Point3::origin, |(_, at)| *at);
-    let mut followers = (first, first);
+    let mut followers = [first; 2];
     for (ms, (line, setpoint)) in positions.iter().enumerate() {
         // The "twin" follows with 4 ms and sags a little, the "drives" follow with 9 ms.
-        let ahead = positions.get(ms + 1).map_or(*setpoint, |(_, at)| *at);
-        followers = (
-            followers.0 + (setpoint - followers.0) / 4.0,
-            followers.1 + (setpoint - followers.1) / 9.0,
-        );
-        let twin = followers.0 + Vector3::new(0.0, 0.0, -1.5e-5);
-        let drives = followers.1;
+        for (follower, delay) in followers.iter_mut().zip([4.0, 9.0]) {
+            *follower += (setpoint - *follower) / delay;
+        }
+        let [twin, drives] = [followers[0] - Vector3::z() * 1.5e-5, followers[1]];
         let wanted = axis_positions(setpoint);
-        let errors = |tool: &Point3<f64>| {
+        let errors = |tool| {
             let got = axis_positions(tool);
             [got[0] - wanted[0], got[1] - wanted[1], got[2] - wanted[2]]
         };
+        let (twin_errors, drive_errors) = (errors(&twin), errors(&drives));
+        let deviation = |tool: Point3<f64>, axis_errors| Deviation {
+            tool,
+            tool_error: (tool - setpoint).norm(),
+            axis_errors,
+        };
+        let ahead = positions.get(ms + 1).map_or(*setpoint, |(_, at)| *at);
         scene.frame(&Frame {
             time_ns: i64::try_from(ms)? * 1_000_000,
             line: *line,
@@ -94,19 +98,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             path_speed: (ahead - setpoint).norm() * 1000.0,
             programmed_speed: Some(FEED),
             link_poses: &model.link_poses(&axis_positions(&twin)),
-            twin: Deviation {
-                tool: twin,
-                tool_error: (twin - setpoint).norm(),
-                axis_errors: &errors(&twin),
-            },
+            twin: deviation(twin, &twin_errors[..]),
             motors: &[],
             clearance: Some(to_ball(&twin)),
             drives: Some(DrivesFrame {
-                deviation: Deviation {
-                    tool: drives,
-                    tool_error: (drives - setpoint).norm(),
-                    axis_errors: &errors(&drives),
-                },
+                deviation: deviation(drives, &drive_errors),
                 tool_error_to_twin: (drives - twin).norm(),
             }),
         })?;
@@ -130,14 +126,11 @@ fn path() -> Vec<(u32, PathStrip)> {
     });
     let corners = [[0.28, 0.08], [0.38, 0.08], [0.38, -0.02], [0.28, -0.02], [0.28, 0.08]]
         .map(|[x, y]| Point3::new(x, y, 0.0));
-    let strip = |kind, points: Vec<Point3<f64>>| PathStrip { kind, points };
-    let mut path = vec![
-        (3, strip(MoveKind::Cut, circle.collect())),
-        (4, strip(MoveKind::Rapid, vec![Point3::new(0.3, 0.2, 0.0), corners[0]])),
-    ];
-    path.extend((5_u32..).zip(corners.windows(2).map(|side| strip(MoveKind::Cut, side.to_vec()))));
-    path.push((9, strip(MoveKind::Rapid, vec![corners[0], Point3::new(0.3, 0.2, 0.0)])));
-    path
+    let sides = corners.windows(2).map(|side| (MoveKind::Cut, side.to_vec()));
+    let (start, corner) = (Point3::new(0.3, 0.2, 0.0), corners[0]);
+    let moves = [(MoveKind::Cut, circle.collect()), (MoveKind::Rapid, vec![start, corner])];
+    let moves = moves.into_iter().chain(sides).chain([(MoveKind::Rapid, vec![corner, start])]);
+    (3..).zip(moves.map(|(kind, points)| PathStrip { kind, points })).collect()
 }
 
 /// Positions each ms at constant feed, with the line of the program.
@@ -162,26 +155,21 @@ fn travel(path: &[(u32, PathStrip)]) -> Vec<(u32, Point3<f64>)> {
 /// Shoulder and elbow angles (elbow right) and tool height.
 fn axis_positions(tool: &Point3<f64>) -> [f64; 3] {
     let reach_2 = tool.x * tool.x + tool.y * tool.y;
-    let elbow = -((reach_2 - UPPER_ARM * UPPER_ARM - FOREARM * FOREARM)
-        / (2.0 * UPPER_ARM * FOREARM))
-        .acos();
-    let shoulder =
-        tool.y.atan2(tool.x) - (FOREARM * elbow.sin()).atan2(UPPER_ARM + FOREARM * elbow.cos());
-    [shoulder, elbow, tool.z]
+    let cos = (reach_2 - UPPER_ARM.powi(2) - FOREARM.powi(2)) / (2.0 * UPPER_ARM * FOREARM);
+    let elbow = -cos.acos();
+    let turned = (FOREARM * elbow.sin()).atan2(UPPER_ARM + FOREARM * cos);
+    [tool.y.atan2(tool.x) - turned, elbow, tool.z]
 }
 
-/// Beside the square.
+/// Next to the square.
 const BALL: [f64; 3] = [0.415, 0.03, 0.0];
 const BALL_RADIUS: f64 = 0.02;
 const QUILL_RADIUS: f64 = 0.006;
 
 fn ball() -> Solid {
-    let [x, y, z] = BALL;
-    Solid {
-        shape: SolidShape::Sphere { radius: BALL_RADIUS },
-        origin: Isometry3::translation(x, y, z),
-        color: [0.72, 0.66, 0.5, 0.6],
-    }
+    let origin = Vector3::from(BALL).into();
+    let shape = SolidShape::Sphere { radius: BALL_RADIUS };
+    Solid { shape, origin, color: [0.72, 0.66, 0.5, 0.6] }
 }
 
 /// From the end of the quill to the ball, at the height of its middle.

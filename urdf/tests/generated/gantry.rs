@@ -1,9 +1,9 @@
 //! Tests of generated gantries: clearances, masses, belts, and positions against the manual's transforms.
 
-use super::{bounds, corners, meet};
-use crate::tests::{gantry, seeded};
+use super::{assert_refused, bounds, corners, corners_of, meet};
+use crate::tests::{assert_near, gantry, mass, seeded};
 use crate::{
-    DimensionError, GantryDimensions, HBelt, Joint, JointDrive, JointKind, MachineJoint, Model,
+    GantryDimensions, HBelt, Joint, JointDrive, JointKind, MachineJoint, Model, PlaneDrive,
     RotaryTool,
 };
 use nalgebra::{Isometry3, Point3, Vector2, Vector3};
@@ -41,19 +41,13 @@ pub(super) fn cutter() -> GantryDimensions {
 fn touches_itself_nowhere(dimensions: &GantryDimensions, axes: impl IntoIterator<Item = Vec<f64>>) {
     let model = dimensions.model().unwrap();
     for axes in axes {
-        let links: Vec<_> =
-            (0..model.links.len()).map(|link| bounds(&model, link, &axes)).collect();
+        let bounds = |link| bounds(&model, link, &axes);
+        let links: Vec<_> = (0..model.links.len()).map(bounds).collect();
         for one in 0..links.len() {
             for other in 0..one {
-                assert!(
-                    !meet(&links[one], &links[other]),
-                    "{} and {} of {} at {axes:?}: {:?} {:?}",
-                    model.links[one].name,
-                    model.links[other].name,
-                    model.name,
-                    links[one],
-                    links[other],
-                );
+                let (a, b) = (&links[one], &links[other]);
+                let name = &model.name;
+                assert!(!meet(a, b), "{one} and {other} of {name} at {axes:?}: {a:?} {b:?}");
             }
         }
         let [table, ..] = links[0][0..1] else { panic!("no table") };
@@ -61,10 +55,6 @@ fn touches_itself_nowhere(dimensions: &GantryDimensions, axes: impl IntoIterator
         assert!(table[1].z < tip.z, "{table:?} {tip}");
         assert!((0..2).all(|i| table[0][i] < tip[i] && tip[i] < table[1][i]), "{table:?} {tip}");
     }
-}
-
-fn masses(model: &Model) -> f64 {
-    model.links.iter().filter_map(|link| link.inertial).map(|inertial| inertial.mass).sum()
 }
 
 #[test]
@@ -84,21 +74,20 @@ fn no_gantry_touches_itself() {
         // The corners of the travel, and every quarter turn of R between.
         let mut all = corners(&model);
         if dimensions.rotary.is_some() {
-            let turned = all.clone().into_iter().map(|mut axes| {
-                *axes.last_mut().unwrap() /= 2.0;
-                axes
-            });
-            all.extend(turned.collect::<Vec<_>>());
+            let mut turned = all.clone();
+            turned.iter_mut().for_each(|axes| *axes.last_mut().unwrap() /= 2.0);
+            all.extend(turned);
         }
         touches_itself_nowhere(&dimensions, all);
     }
     // With a belt the corners of the travel are where the motors are at the sums and differences.
-    let corners = (0..8).map(|corner: u8| {
-        let pick = |bit: u8, [low, high]: [f64; 2]| if corner & bit == 0 { low } else { high };
-        let (x, y, z) = (pick(1, [-0.65, 0.65]), pick(2, [-0.5, 0.8]), pick(4, [-0.1, 0.0]));
-        vec![y + x, y - x, z]
-    });
-    touches_itself_nowhere(&h_gantry(), corners);
+    let corners = corners_of(&[[-0.65, 0.65], [-0.5, 0.8], [-0.1, 0.0]]).into_iter();
+    let motors = corners.map(|at| vec![at[1] + at[0], at[1] - at[0], at[2]]);
+    touches_itself_nowhere(&h_gantry(), motors);
+    // Parts that meet would be noticed.
+    let model = gantry().model().unwrap();
+    let quill_in_table = bounds(&model, 3, &[0.3, 0.0, -0.25]);
+    assert!(meet(&bounds(&model, 0, &[0.0; 3]), &quill_in_table));
 }
 
 #[test]
@@ -111,7 +100,7 @@ fn masses_add_up() {
     };
     for (dimensions, expected) in [(gantry(), 18.2), (cutter(), 18.6), (h_gantry(), 18.2)] {
         let model = given(dimensions).model().unwrap();
-        assert!((masses(&model) - expected).abs() < 1e-12, "{}", masses(&model));
+        assert!((mass(&model) - expected).abs() < 1e-12, "{}", mass(&model));
     }
     // Half a kilogram 0.1 m beside the axis.
     let tool = Vector3::new(0.06, 0.08, -0.05);
@@ -140,20 +129,15 @@ fn a_belt_shares_limits() {
     assert_eq!(model.joints[2].kind, JointKind::Fixed);
 }
 
-/// A model of joints that are not all the machine's axes can be written and read: with joints of its own.
 #[test]
 fn what_is_written_can_be_read() {
     let model = cutter().model().unwrap();
     let text = model.to_urdf().unwrap();
     let read = Model::from_urdf(&text, &["X", "Y", "Z", "R"]).unwrap();
-    assert!(
-        (read.tip_position(&[0.1, 0.1, -0.1, 1.0]) - model.tip_position(&[0.1, 0.1, -0.1, 1.0]))
-            .norm()
-            < 1e-15
-    );
+    let axes = [0.1, 0.1, -0.1, 1.0];
+    assert_near(read.tip_position(&axes), model.tip_position(&axes), 1e-15);
     let model = h_gantry().model().unwrap();
     let text = model.to_urdf().unwrap();
-    assert_eq!(Model::from_urdf(&text, &["A", "B", "Z"]).unwrap(), model);
     // As readers have it that know nothing of belts.
     let plain = crate::tests::plain(&text);
     let read = Model::from_urdf(&plain, &["bridge", "carriage", "Z"]).unwrap();
@@ -163,33 +147,40 @@ fn what_is_written_can_be_read() {
 
 #[test]
 fn impossible_gantries_are_named() {
-    let refusal = |dimensions: GantryDimensions| dimensions.model().unwrap_err();
-    let belt = |factors| {
-        let belt =
-            HBelt { factors, ..HBelt::new([motor("A", 0, [0.0, 1.0]), motor("B", 1, [0.0, 1.0])]) };
-        GantryDimensions::h_belt("h", belt, None)
+    let refused = |made: fn() -> GantryDimensions, change: fn(&mut GantryDimensions), said| {
+        let mut dimensions = made();
+        change(&mut dimensions);
+        assert_refused(dimensions.model(), said);
     };
-    let alike = [[0.5, 0.5], [-0.5, -0.5]];
-    assert_eq!(refusal(belt(alike)), DimensionError::Belt(alike));
-    let whole = [[1.0, -1.0], [1.0, 1.0]];
-    assert!(refusal(belt(whole)).to_string().starts_with("the factors [[1.0, -1.0], [1.0, 1.0]]"));
-    assert!(matches!(refusal(belt([[f64::NAN; 2]; 2])), DimensionError::Belt(_)));
-    let mut named = h_gantry();
-    named.quill_joint.as_mut().unwrap().name = "bridge".to_owned();
-    assert!(matches!(refusal(named), DimensionError::JointTwice(_)));
-    let mut shared = cutter();
-    shared.rotary.as_mut().unwrap().joint.machine_axis = 0;
-    assert!(matches!(refusal(shared), DimensionError::JointTwice(_)));
-    let mut turned = cutter();
-    turned.rotary.as_mut().unwrap().offset = f64::NAN;
-    assert_eq!(refusal(turned), DimensionError::NotFinite { what: "an offset" });
-    let mut light = cutter();
-    light.rotary.as_mut().unwrap().mass = Some(0.0);
-    assert!(refusal(light).to_string().starts_with("the mass of the head is 0"));
-    let above = GantryDimensions { tool: Vector3::new(0.0, 0.0, 0.01), ..gantry() };
-    assert!(refusal(above).to_string().starts_with("the length of the tool is -0.01"));
-    let nowhere = GantryDimensions { tool: Vector3::new(f64::NAN, 0.0, 0.0), ..gantry() };
-    assert_eq!(refusal(nowhere), DimensionError::NotFinite { what: "the place of the tool" });
+    for (factors, said) in [
+        ([[0.5, 0.5], [-0.5, -0.5]], "the factors [[0.5, 0.5], [-0.5, -0.5]] of the belt are …"),
+        ([[1.0, -1.0], [1.0, 1.0]], "the factors [[1.0, -1.0], [1.0, 1.0]] of the belt are …"),
+        ([[f64::NAN; 2]; 2], "the factors [[NaN, NaN], [NaN, NaN]] of the belt are …"),
+    ] {
+        let motors = [motor("A", 0, [0.0, 1.0]), motor("B", 1, [0.0, 1.0])];
+        let belt = HBelt { factors, ..HBelt::new(motors) };
+        assert_refused(GantryDimensions::h_belt("h", belt, None).model(), said);
+    }
+    refused(h_gantry, |d| d.quill_joint.as_mut().unwrap().name = "bridge".into(), "joints …");
+    refused(cutter, |d| d.rotary.as_mut().unwrap().joint.machine_axis = 0, "joints …");
+    let offset = "an offset is not a finite number";
+    refused(cutter, |d| d.rotary.as_mut().unwrap().offset = f64::NAN, offset);
+    refused(
+        cutter,
+        |d| d.rotary.as_mut().unwrap().mass = Some(0.0),
+        "the mass of the head is 0; …",
+    );
+    refused(gantry, |d| d.tool.z = 0.01, "the length of the tool is -0.01; …");
+    refused(gantry, |d| d.tool.x = f64::NAN, "the place of the tool is not a finite number");
+    let twice = "joints X and X have the same name or the same machine axis";
+    refused(gantry, |d| d.quill_joint.as_mut().unwrap().name = "X".into(), twice);
+    let shared = "joints Y and Z have the same name or the same machine axis";
+    refused(gantry, |d| d.quill_joint.as_mut().unwrap().machine_axis = 1, shared);
+    let stuck = |d: &mut GantryDimensions| {
+        let PlaneDrive::Axes([x, _]) = &mut d.plane else { panic!() };
+        x.position_limits = [0.5, 0.5];
+    };
+    refused(gantry, stuck, "joint X can move from 0.5 to 0.5; …");
 }
 
 proptest! {
@@ -211,16 +202,14 @@ proptest! {
             position[1] - offsets[1] + a * sin + b * cos,
             position[2] - offsets[2] - length,
         );
-        let tip = model.tip_position(&position);
-        prop_assert!((tip - expected).norm() < 1e-14, "{tip} {expected}");
+        assert_near(model.tip_position(&position), expected, 1e-14);
         let mut poses = [Isometry3::translation(9.0, 9.0, 9.0); 4];
         model.link_poses_into(&position, &mut poses);
-        prop_assert!((poses[3] * model.tip.point - expected).norm() < 1e-14);
+        assert_near(poses[3] * model.tip.point, expected, 1e-14);
         prop_assert_eq!(poses.to_vec(), model.link_poses(&position));
         // Without Z the flange stays in one plane.
         let flat = GantryDimensions { offsets, tool, quill_joint: None, ..gantry() }.model().unwrap();
-        let tip = flat.tip_position(&position[..2]);
-        prop_assert!((tip - Point3::new(expected.x, expected.y, -length)).norm() < 1e-12, "{tip}");
+        assert_near(flat.tip_position(&position[..2]), [expected.x, expected.y, -length], 1e-12);
     }
 
     /// Manual 8.2.1, `GantryCutter`: dr = iDirectionR·direction + dOffsetR.
@@ -239,8 +228,7 @@ proptest! {
         let pose = model.link_poses(&axes)[4];
         prop_assert!((pose * Vector3::x() - ahead).norm() < 1e-12);
         let expected = Point3::new(x, y, z - 0.05) - ahead * trail;
-        let tip = model.tip_position(&axes);
-        prop_assert!((tip - expected).norm() < 1e-12, "{tip} {expected}");
+        assert_near(model.tip_position(&axes), expected, 1e-12);
     }
 
     /// Manual 8.2.3: x = (a − b)/2 − dOffsetX, y = (a + b)/2 − dOffsetY, and the layouts with signs or coordinates
@@ -263,8 +251,7 @@ proptest! {
         let (a, b) = (sign_a * position[indices[0]], sign_b * position[indices[1]]);
         let [difference, sum] = [a - b, a + b].map(|both| 0.5 * both);
         let (x, y) = if exchanged { (sum, difference) } else { (difference, sum) };
-        let expected = Point3::new(x - offsets[0], y - offsets[1], position[2] - offsets[2] - 0.05);
-        let tip = model.tip_position(&position);
-        prop_assert!((tip - expected).norm() < 1e-12, "{tip} {expected}");
+        let expected = [x - offsets[0], y - offsets[1], position[2] - offsets[2] - 0.05];
+        assert_near(model.tip_position(&position), expected, 1e-12);
     }
 }

@@ -1,14 +1,14 @@
 //! Tests of generated SCARAs with a third arm.
 
 use super::{bounds, corners, heights};
-use crate::tests::{scara, seeded};
-use crate::{DimensionError, JointKind, MachineJoint, Model, ScaraDimensions, ScaraHand};
+use crate::tests::{assert_near, mass, scara, seeded};
+use crate::{JointKind, MachineJoint, ScaraDimensions, ScaraHand};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
 /// The SCARA of the SoftMotion vectors with a third arm.
-pub(super) fn scara3() -> ScaraDimensions {
+pub(in crate::tests) fn scara3() -> ScaraDimensions {
     let hand = ScaraHand { mass: Some(0.5), ..ScaraHand::new(wrist(), 0.1) };
     ScaraDimensions { hand: Some(hand), ..scara() }
 }
@@ -26,6 +26,8 @@ fn the_hand_hangs_below_the_arms() {
         hand: Some(ScaraHand::new(MachineJoint::new("C", 2, [-PI, PI]), 0.1)),
         ..scara()
     };
+    let c = &scara3().model().unwrap().joints[3];
+    assert_eq!((c.kind, c.drive.axis(), c.parent), (JointKind::Revolute, Some(3), 3));
     for dimensions in [scara3(), short, beside, flat] {
         let model = dimensions.model().unwrap();
         let names: Vec<_> = model.links.iter().map(|link| link.name.as_str()).collect();
@@ -42,7 +44,6 @@ fn the_hand_hangs_below_the_arms() {
     }
 }
 
-/// Arms by their boxes, quill and hand as given, the tool once.
 #[test]
 fn masses_add_up() {
     let given = |hand| ScaraDimensions {
@@ -51,44 +52,16 @@ fn masses_add_up() {
         hand,
         ..scara()
     };
-    let sum = |model: &Model| -> f64 {
-        model.links.iter().filter_map(|link| link.inertial).map(|inertial| inertial.mass).sum()
-    };
-    let two = given(None).model().unwrap();
-    assert!((sum(&two) - 13.8).abs() < 1e-12, "{}", sum(&two));
+    let two = mass(&given(None).model().unwrap());
+    assert!((two - 13.8).abs() < 1e-12, "{two}");
     let three = given(scara3().hand).model().unwrap();
-    assert!((sum(&three) - 14.3).abs() < 1e-12, "{}", sum(&three));
+    assert!((mass(&three) - 14.3).abs() < 1e-12, "{}", mass(&three));
     // 0.5 kg in the middle of 0.1 m, 0.3 kg of tool at its end.
     let hand = three.links[4].inertial.unwrap();
     assert!((hand.center.x - (0.5 * 0.05 + 0.3 * 0.1) / 0.8).abs() < 1e-15, "{hand:?}");
     let derived = ScaraDimensions { hand: Some(ScaraHand::new(wrist(), 0.0)), ..scara() };
     let hand = derived.model().unwrap().links[4].inertial.unwrap();
     assert!(hand.mass > 0.3 && hand.mass < 1.0, "{hand:?}");
-}
-
-#[test]
-fn what_is_written_can_be_read() {
-    let model = scara3().model().unwrap();
-    let text = model.to_urdf().unwrap();
-    assert_eq!(Model::from_urdf(&text, &["A", "B", "Z", "C"]).unwrap(), model);
-    let fourth = &model.joints[3];
-    assert_eq!(
-        (fourth.kind, fourth.drive.axis(), fourth.parent),
-        (JointKind::Revolute, Some(3), 3)
-    );
-}
-
-#[test]
-fn impossible_hands_are_named() {
-    let refusal = |hand| ScaraDimensions { hand: Some(hand), ..scara() }.model().unwrap_err();
-    let long = refusal(ScaraHand::new(wrist(), -0.1));
-    assert!(long.to_string().starts_with("the length of the hand is -0.1"), "{long}");
-    let light = refusal(ScaraHand { mass: Some(f64::NAN), ..ScaraHand::new(wrist(), 0.1) });
-    assert!(light.to_string().starts_with("the mass of the hand is NaN"), "{light}");
-    let offset = refusal(ScaraHand { offset: f64::NAN, ..ScaraHand::new(wrist(), 0.1) });
-    assert_eq!(offset, DimensionError::NotFinite { what: "an offset" });
-    let twice = refusal(ScaraHand::new(MachineJoint::new("C", 1, [-PI, PI]), 0.1));
-    assert!(matches!(twice, DimensionError::JointTwice(_)), "{twice}");
 }
 
 proptest! {
@@ -115,13 +88,11 @@ proptest! {
             arms[0] * alpha.sin() + arms[1] * forearm.sin() + (length + tool[0]) * sin + tool[1] * cos,
             z + tool[2],
         );
-        let tip = model.tip_position(&position);
-        prop_assert!((tip - expected).norm() < 1e-12, "{tip} {expected}");
+        assert_near(model.tip_position(&position), expected, 1e-12);
         let along = model.link_poses(&position)[4] * Vector3::x();
         prop_assert!((along - Vector3::new(cos, sin, 0.0)).norm() < 1e-12, "{along}");
     }
 
-    /// A tool beside the flange of two arms turns with arm 2.
     #[test]
     fn a_tool_beside_the_quill_turns_with_arm_2(
         position in [-PI..PI, -PI..PI, -0.1..0.05], tool in [-0.1..0.1, -0.1..0.1, -0.3..0.0],
@@ -134,7 +105,6 @@ proptest! {
             0.25 * a.sin() + (0.2 + tool[0]) * sin + tool[1] * cos,
             z + tool[2],
         );
-        let tip = model.tip_position(&position);
-        prop_assert!((tip - expected).norm() < 1e-12, "{tip} {expected}");
+        assert_near(model.tip_position(&position), expected, 1e-12);
     }
 }

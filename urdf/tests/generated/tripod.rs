@@ -1,15 +1,16 @@
-//! Tests of generated tripods: loops, masses, and positions against the manual's transforms.
+//! Tests of generated tripods: loops, masses, and positions against their transform.
 
-use super::{bounds, meet};
-use crate::tests::{pose_of, seeded};
+use super::{assert_refused, bounds, corners_of, meet};
+use crate::tests::{assert_near, mass, pose_of, seeded};
 use crate::{
     DimensionError, Joint, JointDrive, JointPositions, LoopError, MachineJoint, Model, SolidShape,
     TripodDimensions,
 };
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use proptest::prelude::*;
-use std::f64::consts::{PI, TAU};
-use twin_kinematics::tripod::{Rod, TripodDeviations, TripodDimensions as Rings};
+use std::f64::consts::PI;
+use twin_kinematics::Transform;
+use twin_kinematics::tripod::{Rod, Tripod, TripodDeviations, TripodDimensions as Rings};
 
 const RINGS: Rings = Rings {
     inner_radius: 0.06,
@@ -19,71 +20,41 @@ const RINGS: Rings = Rings {
     rotation: PI / 2.0,
 };
 
-fn axis(name: &str, axis: usize, limits: [f64; 2]) -> MachineJoint {
-    MachineJoint::new(name, axis, limits)
+fn axes(limits: [f64; 2]) -> [MachineJoint; 3] {
+    [("A", 0), ("B", 1), ("C", 2)].map(|(name, axis)| MachineJoint::new(name, axis, limits))
 }
 
-fn axes(limits: [f64; 2]) -> [MachineJoint; 3] {
-    [axis("A", 0, limits), axis("B", 1, limits), axis("C", 2, limits)]
+fn dimensions(rings: &Rings, limits: [f64; 2]) -> TripodDimensions {
+    let rods = rings.rods(&TripodDeviations::default()).unwrap();
+    TripodDimensions::new("tripod", axes(limits), rods)
 }
 
 pub(in crate::tests) fn tripod() -> TripodDimensions {
-    TripodDimensions {
-        tool: Vector3::new(0.0, 0.0, -0.04),
-        tool_mass: 0.1,
-        ..TripodDimensions::new(
-            "tripod",
-            axes([0.3, 0.6]),
-            RINGS.rods(&TripodDeviations::default()).unwrap(),
-        )
-    }
+    let tool = Vector3::new(0.0, 0.0, -0.04);
+    TripodDimensions { tool, tool_mass: 0.1, ..dimensions(&RINGS, [0.3, 0.6]) }
 }
 
-/// Manual 8.2.6: where the axes are (without offsets) with the platform at `place`; `None` if a rod does not reach.
-fn inverse(rings: &Rings, place: &Point3<f64>) -> Option<[f64; 3]> {
-    let half = (rings.rod_distance / 2.0).powi(2);
-    let e = (rings.outer_radius.powi(2) - half).sqrt() - (rings.inner_radius.powi(2) - half).sqrt();
-    let height = |i: f64| {
-        let (sin, cos) = (rings.rotation + i * TAU / 3.0).sin_cos();
-        let h2 = (place.x - e * cos).powi(2) + (place.y - e * sin).powi(2);
-        // Not all too near to where the rod is level.
-        (h2 < 0.96 * rings.rod_length.powi(2))
-            .then(|| place.z + (rings.rod_length.powi(2) - h2).sqrt())
-    };
-    Some([height(0.0)?, height(1.0)?, height(2.0)?])
+/// Manual 8.2.6: positions of the axes (without offsets) with the platform at `place`.
+fn inverse(rings: &Rings, place: &Point3<f64>) -> [f64; 3] {
+    Tripod::new(*rings, [0.0; 3]).unwrap().to_axes(&place.coords).unwrap().into()
 }
 
-/// Manual 8.2.6, forward: the platform below carriages at `heights`, as the digest writes it.
+/// The way back: the platform below carriages at `heights`.
 fn forward(rings: &Rings, heights: [f64; 3]) -> Point3<f64> {
-    let half = (rings.rod_distance / 2.0).powi(2);
-    let e = (rings.outer_radius.powi(2) - half).sqrt() - (rings.inner_radius.powi(2) - half).sqrt();
-    let mean = heights.iter().sum::<f64>() / 3.0;
-    let q = heights.map(|height| height - mean);
-    let sum = |of: fn(f64, (f64, f64)) -> f64| -> f64 {
-        (0_u8..)
-            .zip(q)
-            .map(|(i, q)| of(q, (rings.rotation + f64::from(i) * TAU / 3.0).sin_cos()))
-            .sum()
-    };
-    let (cx, cy) =
-        (sum(|q, (_, cos)| q * q * cos) / (3.0 * e), sum(|q, (sin, _)| q * q * sin) / (3.0 * e));
-    let (dx, dy) = (
-        2.0 * sum(|q, (_, cos)| q * cos) / (3.0 * e),
-        2.0 * sum(|q, (sin, _)| q * sin) / (3.0 * e),
-    );
-    let a = 1.0 + dx * dx + dy * dy;
-    let b = -2.0 * (cx * dx + cy * dy);
-    let c = cx * cx + cy * cy + sum(|q, _| q * q) / 3.0 + e * e - rings.rod_length.powi(2);
-    let z = (-b - (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
-    Point3::new(cx - dx * z, cy - dy * z, z + mean)
+    Tripod::new(*rings, [0.0; 3]).unwrap().to_tool(&heights.into()).unwrap().into()
+}
+
+fn platform(model: &Model, joints: &JointPositions) -> Isometry3<f64> {
+    let mut poses = vec![Isometry3::identity(); model.links.len()];
+    model.link_poses_at(joints.values(), &mut poses);
+    poses[model.tip.link]
 }
 
 /// How far the rods are from their lengths: ends on carriage and platform, at any pose of the links.
 fn strain(dimensions: &TripodDimensions, axes: &[f64], platform: &Isometry3<f64>) -> f64 {
     let strain = |rod: &Rod| {
-        let raised =
-            axes[dimensions.joints[rod.carriage].machine_axis] - dimensions.offsets[rod.carriage];
-        let upper = rod.upper + Vector3::z() * raised;
+        let axis = axes[dimensions.joints[rod.carriage].machine_axis];
+        let upper = rod.upper + Vector3::z() * (axis - dimensions.offsets[rod.carriage]);
         ((upper - platform * rod.lower).norm() - rod.length).abs()
     };
     dimensions.rods.iter().map(strain).fold(0.0, f64::max)
@@ -109,33 +80,28 @@ fn link(model: &Model, name: &str) -> usize {
 
 #[test]
 fn a_tripod_touches_itself_nowhere() {
-    let dimensions = tripod();
-    let model = dimensions.model().unwrap();
+    let model = tripod().model().unwrap();
     let rod_radius = RINGS.rod_length / 80.0;
     let solid_links: Vec<_> =
         (0..model.links.len()).filter(|link| !model.links[*link].solids.is_empty()).collect();
     assert_eq!(solid_links.len(), 1 + 3 + 6 + 1);
     let (platform, table) = (link(&model, "platform"), 0);
-    for (radius, turn, height) in [0.0, 0.08, 0.14]
-        .into_iter()
-        .flat_map(|radius| (0..6).map(move |turn| (radius, turn, 0.05)))
-    {
-        let turn = f64::from(turn) * PI / 3.0 + 0.1;
-        let place = Point3::new(radius * turn.cos(), radius * turn.sin(), height);
-        let axes = inverse(&RINGS, &place).unwrap();
+    let turns = |radius| (0..6).map(move |turn| (radius, f64::from(turn) * PI / 3.0 + 0.1));
+    for (radius, turn) in [0.0, 0.08, 0.14].into_iter().flat_map(turns) {
+        let place = Point3::new(radius * turn.cos(), radius * turn.sin(), 0.05);
+        let axes = inverse(&RINGS, &place);
         let poses = model.link_poses(&axes);
         let around = |link: usize| bounds(&model, link, &axes);
-        for one in [0, 1, 2, 3, platform] {
-            for other in [0, 1, 2, 3, platform] {
-                if one < other && one > 0 {
-                    assert!(!meet(&around(one), &around(other)), "{one} {other} at {place}");
-                }
+        let moving = [1, 2, 3, platform];
+        for (index, one) in moving.into_iter().enumerate() {
+            for other in moving.into_iter().skip(index + 1) {
+                assert!(!meet(&around(one), &around(other)), "{one} {other} at {place}");
             }
         }
         let tip = model.tip_position(&axes);
         assert!(around(table)[0][1].z < tip.z - 0.0199, "{tip}");
         // Carriages and platform against the base, turned as it is: by points on and in them.
-        for moving in [1, 2, 3, platform] {
+        for moving in moving {
             for solid in &model.links[moving].solids {
                 for corner in 0..27_u8 {
                     let side = |power: u8| f64::from(corner / power % 3) - 1.0;
@@ -166,11 +132,7 @@ fn a_tripod_touches_itself_nowhere() {
                     let point = poses[*other].inverse_transform_point(&point);
                     for solid in &model.links[*other].solids {
                         let clear = distance(solid, &point);
-                        assert!(
-                            clear > rod_radius,
-                            "rod {number}, {} at {place}",
-                            model.links[*other].name
-                        );
+                        assert!(clear > rod_radius, "rod {number}, link {other} at {place}");
                     }
                 }
             }
@@ -186,26 +148,21 @@ fn masses_add_up() {
         platform_mass: Some(0.4),
         ..tripod()
     };
-    let sum = |model: &Model| -> f64 {
-        model.links.iter().filter_map(|link| link.inertial).map(|inertial| inertial.mass).sum()
-    };
     let model = given.model().unwrap();
-    assert!((sum(&model) - (4.5 + 0.3 + 0.4 + 0.1)).abs() < 1e-12, "{}", sum(&model));
-    let platform = model.links[link(&model, "platform")].inertial.unwrap();
-    assert!((platform.center - Point3::new(0.0, 0.0, -0.1 * 0.02 / 0.5)).norm() < 1e-15);
-    let rod = model.links[link(&model, "rod4")].inertial.unwrap();
-    assert!((rod.center - Point3::new(0.0, 0.0, -0.2)).norm() < 1e-15, "{rod:?}");
+    assert!((mass(&model) - (4.5 + 0.3 + 0.4 + 0.1)).abs() < 1e-12, "{}", mass(&model));
+    let center = |name| model.links[link(&model, name)].inertial.unwrap().center;
+    assert_near(center("platform"), [0.0, 0.0, -0.1 * 0.02 / 0.5], 1e-15);
+    assert_near(center("rod4"), [0.0, 0.0, -0.2], 1e-15);
     // Derived ones are those of a machine of this size.
-    let derived = sum(&tripod().model().unwrap());
+    let derived = mass(&tripod().model().unwrap());
     assert!(derived > 1.0 && derived < 10.0, "{derived}");
 }
 
-/// The joints, the loops, and what passive joints rest at.
 #[test]
 fn rods_hang_on_joints_that_nothing_drives() {
     let mut dimensions = tripod();
-    dimensions.joints =
-        [axis("A", 2, [0.25, 0.75]), axis("B", 0, [0.25, 0.75]), axis("C", 1, [0.25, 0.75])];
+    dimensions.joints = axes([0.25, 0.75]);
+    dimensions.joints.iter_mut().zip([2, 0, 1]).for_each(|(joint, axis)| joint.machine_axis = axis);
     dimensions.offsets = [0.1, 0.0, -0.2];
     let model = dimensions.model().unwrap();
     let passive = |joint: &&Joint| matches!(joint.drive, JointDrive::Passive { .. });
@@ -215,12 +172,8 @@ fn rods_hang_on_joints_that_nothing_drives() {
     assert_eq!(driven, [2, 0, 1]);
     // At rest every axis is in the middle of its travel.
     let rest = JointPositions::at_rest(&model);
-    let mut poses = model.link_poses(&[0.5; 3]);
-    let platform = poses[model.tip.link];
-    model.link_poses_at(rest.values(), &mut poses);
-    assert!(
-        (poses[model.tip.link].translation.vector - platform.translation.vector).norm() < 1e-13
-    );
+    let place = model.link_poses(&[0.5; 3])[model.tip.link].translation.vector;
+    assert!((platform(&model, &rest).translation.vector - place).norm() < 1e-13);
     let found = pose_of(&model, &[0.5; 3], None).unwrap();
     assert_eq!((found.values(), found.steps()), (rest.values(), 0));
     let text = model.to_urdf().unwrap();
@@ -246,41 +199,30 @@ fn where_the_rods_do_not_reach_is_said() {
     let before = kept.clone();
     assert!(kept.follow(&model, &[0.0, 1.5, 0.0]).is_err());
     kept.follow(&model, &[0.4; 3]).unwrap();
-    let mut poses = [before, kept].map(|kept| {
-        let mut poses = model.link_poses(&[0.4; 3]);
-        model.link_poses_at(kept.values(), &mut poses);
-        poses[model.tip.link].translation.vector
-    });
-    poses[0] -= poses[1];
-    assert!(poses[0].norm() < 1e-12, "{}", poses[0]);
+    let [before, after] = [before, kept].map(|kept| platform(&model, &kept).translation.vector);
+    assert!((before - after).norm() < 1e-12, "{before} {after}");
 }
 
 #[test]
 fn impossible_tripods_are_named() {
-    let refusal = |change: fn(&mut TripodDimensions)| {
+    let changed = |change: fn(&mut TripodDimensions)| {
         let mut dimensions = tripod();
         change(&mut dimensions);
-        dimensions.model().unwrap_err()
+        dimensions.model()
     };
-    let short = refusal(|d| d.rods[3].length = 0.15);
-    assert!(matches!(short, DimensionError::Rod { rod: 3, .. }), "{short}");
-    assert!(short.to_string().starts_with("rod 4 of 150.000 mm is too short"), "{short}");
-    let all_on_one = refusal(|d| d.rods[3].carriage = 0);
-    assert_eq!(all_on_one, DimensionError::RodsOfCarriages([0, 0, 1, 0, 2, 2]));
-    let beyond = refusal(|d| d.rods[0].carriage = 3);
-    assert!(matches!(beyond, DimensionError::RodsOfCarriages(_)), "{beyond}");
-    let nowhere = refusal(|d| d.rods[1].upper.y = f64::NAN);
-    assert_eq!(nowhere, DimensionError::NotFinite { what: "an end of a rod" });
-    let offset = refusal(|d| d.offsets[2] = f64::INFINITY);
-    assert_eq!(offset, DimensionError::NotFinite { what: "an offset" });
-    let twice = refusal(|d| d.joints[2].machine_axis = 0);
-    assert!(matches!(twice, DimensionError::JointTwice(_)), "{twice}");
-    let thick = refusal(|d| d.rod_radius = Some(0.1));
-    assert!(matches!(thick, DimensionError::Rod { .. }), "{thick}");
-    let light = refusal(|d| d.platform_mass = Some(0.0));
-    assert!(light.to_string().starts_with("the mass of the platform is 0"), "{light}");
+    let refused = |change, said| assert_refused(changed(change), said);
+    refused(|d| d.rods[3].length = 0.15, "rod 4 of 150.000 mm is too short …");
+    let hang =
+        "the rods hang on the carriages [0, 0, 1, 0, 2, 2]; each of 0, 1 and 2 has two of them";
+    refused(|d| d.rods[3].carriage = 0, hang);
+    refused(|d| d.rods[0].carriage = 3, "the rods hang on the carriages …");
+    refused(|d| d.rods[1].upper.y = f64::NAN, "an end of a rod is not a finite number");
+    refused(|d| d.offsets[2] = f64::INFINITY, "an offset is not a finite number");
+    refused(|d| d.joints[2].machine_axis = 0, "joints …");
+    refused(|d| d.rod_radius = Some(0.1), "rod …");
+    refused(|d| d.platform_mass = Some(0.0), "the mass of the platform is 0; …");
     // In the middle of the travel one carriage would be more than a rod above the others.
-    let apart = refusal(|d| d.joints[1].position_limits = [2.0, 3.0]);
+    let apart = changed(|d| d.joints[1].position_limits = [2.0, 3.0]).unwrap_err();
     assert!(matches!(apart, DimensionError::RodsApart(gap) if gap > 0.1), "{apart}");
 }
 
@@ -305,35 +247,28 @@ proptest! {
         let rings =
             Rings { inner_radius, outer_radius, rod_length: length, rod_distance: distance, rotation };
         let place = Point3::new(radius * turn.cos(), radius * turn.sin(), z);
-        let heights = inverse(&rings, &place).unwrap();
-        let mut positions = heights;
-        positions.iter_mut().zip(offsets).for_each(|(position, offset)| *position += offset);
-        let joint = |name: &str, axis: usize| {
-            // The rest need not be where the machine goes.
-            MachineJoint::new(name, axis, [z + offsets[axis] - 0.3, z + offsets[axis] + 0.6])
-        };
-        let joints = [joint("A", 0), joint("B", 1), joint("C", 2)];
-        let dimensions = TripodDimensions::new("tripod", joints, rings.rods(&TripodDeviations::default()).unwrap());
-        let dimensions = TripodDimensions { offsets, tool: tool.into(), ..dimensions };
+        let heights = inverse(&rings, &place);
+        let positions = [0, 1, 2].map(|axis| heights[axis] + offsets[axis]);
+        let mut dimensions = TripodDimensions { offsets, tool: tool.into(), ..dimensions(&rings, [0.0; 2]) };
+        // The rest need not be where the machine goes.
+        dimensions.joints.iter_mut().zip(offsets).for_each(|(joint, offset)| {
+            joint.position_limits = [z + offset - 0.3, z + offset + 0.6];
+        });
         let model = dimensions.model().unwrap();
 
         let found = pose_of(&model, &positions, None).unwrap();
         prop_assert!(found.residual() < 1e-12, "{}", found.residual());
         let tip = model.tip_position(&positions);
-        let expected = place + Vector3::from(tool);
-        prop_assert!((tip - expected).norm() < 1e-11, "{tip} {expected}");
-        let mut poses = model.link_poses(&positions);
-        model.link_poses_at(found.values(), &mut poses);
-        let platform = poses[model.tip.link];
+        assert_near(tip, place + Vector3::from(tool), 1e-11);
+        let platform = platform(&model, &found);
         prop_assert!(platform.rotation.angle() < 1e-11, "{platform}");
-        prop_assert!((forward(&rings, heights) + Vector3::from(tool) - tip).norm() < 1e-11);
+        assert_near(forward(&rings, heights) + Vector3::from(tool), tip, 1e-11);
         prop_assert!(strain(&dimensions, &positions, &platform) < 1e-12);
         // The platform below its carriages.
         prop_assert!(heights.iter().all(|height| *height > platform.translation.z));
     }
 
-    /// Rods and ends as measured on a real machine: the platform is where all six rods have their lengths, tilted
-    /// a little, and nothing jumps on the way there.
+    /// Rods and ends as measured: the platform is where all six rods have their lengths, tilted a little, and does not jump.
     #[test]
     fn measured_rods_have_their_lengths(
         errors in prop::collection::vec(-2e-3..2e-3, 42), radius in 0.0..0.12, turn in -PI..PI, height in 0.0..0.2,
@@ -346,16 +281,15 @@ proptest! {
         }
         let model = dimensions.model().unwrap();
         let place = Point3::new(radius * turn.cos(), radius * turn.sin(), height);
-        let axes = inverse(&RINGS, &place).unwrap();
+        let axes = inverse(&RINGS, &place);
         let mut kept = pose_of(&model, &axes, None).unwrap();
         prop_assert!(kept.residual() < 1e-14);
-        let mut poses = model.link_poses(&axes);
-        let platform = poses[model.tip.link];
-        prop_assert!(strain(&dimensions, &axes, &platform) < 1e-14);
+        let start = model.link_poses(&axes)[model.tip.link];
+        prop_assert!(strain(&dimensions, &axes, &start) < 1e-14);
         // A few millimetres from the nominal place, tilted by a few degrees.
-        let off = (platform.translation.vector - place.coords).norm();
+        let off = (start.translation.vector - place.coords).norm();
         prop_assert!(off > 1e-6 && off < 0.05, "{off}");
-        let tilt = Rotation3::from(platform.rotation).angle();
+        let tilt = Rotation3::from(start.rotation).angle();
         prop_assert!(tilt > 1e-5 && tilt < 0.4, "{tilt}");
         // A millimetre on from there, in as many steps as a machine takes in a tenth of a second.
         for step in 1..=10 {
@@ -363,33 +297,20 @@ proptest! {
             let axes = axes.map(|axis| axis + up);
             kept.follow(&model, &axes).unwrap();
             prop_assert!(kept.steps() <= 3, "{}", kept.steps());
-            model.link_poses_at(kept.values(), &mut poses);
-            let risen = poses[model.tip.link].translation.vector - platform.translation.vector;
+            let risen = platform(&model, &kept).translation.vector - start.translation.vector;
             prop_assert!((risen - Vector3::z() * up).norm() < 1e-13, "{risen}");
         }
     }
 }
 
-/// Everything the travel allows and the rods reach is closed, from rest and from one corner to the next.
 #[test]
 fn corners_of_the_travel_are_closed_or_refused() {
     let model = TripodDimensions { joints: axes([0.35, 0.5]), ..tripod() }.model().unwrap();
     let mut kept = JointPositions::at_rest(&model);
-    let corners: Vec<_> =
-        model.joints.iter().take(3).map(|joint| joint.position_limits.unwrap()).fold(
-            vec![Vec::new()],
-            |rows: Vec<Vec<f64>>, limits| {
-                rows.iter().flat_map(|row| limits.map(|l| [&row[..], &[l]].concat())).collect()
-            },
-        );
-    assert_eq!(corners.len(), 8);
-    for axes in corners {
+    for axes in corners_of(&[[0.35, 0.5]; 3]) {
         kept.follow(&model, &axes).unwrap();
         let expected = forward(&RINGS, [axes[0], axes[1], axes[2]]) + Vector3::new(0.0, 0.0, -0.04);
-        assert!((model.tip_position(&axes) - expected).norm() < 1e-12);
-        let mut poses = model.link_poses(&axes);
-        model.link_poses_at(kept.values(), &mut poses);
-        let tip = poses[model.tip.link] * model.tip.point;
-        assert!((tip - expected).norm() < 1e-12, "{tip} {expected}");
+        assert_near(model.tip_position(&axes), expected, 1e-12);
+        assert_near(platform(&model, &kept) * model.tip.point, expected, 1e-12);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::frame::MotorFrame;
+use rerun::external::re_sdk_types::components::Visible;
 
 /// A rotary step motor that is watched for its warmth, and a linear servo of which nothing is known but what it gives.
 fn motors(ms: u32) -> [MotorFrame; 2] {
@@ -35,57 +36,31 @@ fn log_motors(scene: &mut Scene, ms: u32, motors: &[MotorFrame]) -> Result<(), V
 fn what_motors_do_comes_back_at_its_time_and_line() {
     type Of = fn(f64) -> f64;
     let read = record(25, |_| true);
-    let series: [(&str, Of); 10] = [
-        ("motor/torque_nm/A/twin", |ms| -2.0 * ms),
-        ("motor/torque_nm/A/limit", |ms| 80.0 - ms),
-        ("motor/power_w/A/twin", |ms| -3.0 * ms),
-        ("motor/utilisation_percent/A/twin", |ms| ms),
-        ("motor/warmth_percent/A/twin", |ms| 50.0 + 0.1 * ms),
-        ("motor/load_angle_full_steps/A/twin", |ms| -1e-2 * ms),
-        ("motor/force_n/Z/twin", |_| 7.5),
-        ("motor/power_w/Z/twin", |_| 0.25),
-        ("error/axis_deg/A/twin", |_| 0.0),
-        ("error/axis_mm/Z/twin", |_| 0.0),
+    let series: [(&str, &str, Of); 8] = [
+        ("motor/torque_nm/A/twin", "A twin (Nm)", |ms| -2.0 * ms),
+        ("motor/torque_nm/A/limit", "A limit (Nm)", |ms| 80.0 - ms),
+        ("motor/power_w/A/twin", "A twin (W)", |ms| -3.0 * ms),
+        ("motor/utilisation_percent/A/twin", "A twin (%)", |ms| ms),
+        ("motor/warmth_percent/A/twin", "A twin (%)", |ms| 50.0 + 0.1 * ms),
+        ("motor/load_angle_full_steps/A/twin", "A twin (full steps)", |ms| -1e-2 * ms),
+        ("motor/force_n/Z/twin", "Z twin (N)", |_| 7.5),
+        ("motor/power_w/Z/twin", "Z twin (W)", |_| 0.25),
     ];
-    for (entity, wanted) in &series {
-        let rows = read.scalars(entity);
-        assert_eq!(rows.len(), 25, "{entity}");
-        for (ms, (time_ns, line, value)) in (0_u32..).zip(rows) {
-            assert_eq!((time_ns, line), (i64::from(ms) * 1_000_000, i64::from(1 + ms / 10)));
-            assert_near(value, wanted(f64::from(ms)));
-        }
+    for (entity, name, wanted) in &series {
+        assert_plot(&read, entity, 25, wanted);
+        assert_eq!(read.names(entity), [*name]);
+        // What motors can give is often far more than they do and would hide the rest.
+        let visible = rerun::SeriesLines::descriptor_visible_series();
+        let visible = read.each(entity, &visible, |visible: Visible| visible.0.0);
+        assert_eq!(visible, [!entity.ends_with("limit")], "{entity}");
     }
+    assert_plot(&read, "error/axis_deg/A/twin", 25, |_| 0.0);
+    assert_plot(&read, "error/axis_mm/Z/twin", 25, |_| 0.0);
     // What is not known is not there.
-    let mut found: Vec<_> =
-        read.chunks.iter().map(|chunk| chunk.entity_path().to_string()).collect();
-    found.retain(|path| path.starts_with("/motor"));
-    found.sort();
-    found.dedup();
-    let mut wanted: Vec<_> = series[..8].iter().map(|(entity, _)| format!("/{entity}")).collect();
+    let found = read.entities(|path| path.starts_with("/motor"));
+    let mut wanted = series.map(|(entity, ..)| format!("/{entity}"));
     wanted.sort();
     assert_eq!(found, wanted);
-}
-
-#[test]
-fn motors_are_named_with_their_units() {
-    let read = record(3, |_| true);
-    for (entity, name) in [
-        ("motor/torque_nm/A/twin", "A twin (Nm)"),
-        ("motor/torque_nm/A/limit", "A limit (Nm)"),
-        ("motor/force_n/Z/twin", "Z twin (N)"),
-        ("motor/power_w/Z/twin", "Z twin (W)"),
-        ("motor/warmth_percent/A/twin", "A twin (%)"),
-        ("motor/load_angle_full_steps/A/twin", "A twin (full steps)"),
-    ] {
-        assert_eq!(read.names(entity), [name]);
-        // What motors can give is often so much more than they do that it would hide the rest.
-        let visible = read.statics::<rerun::external::re_sdk_types::components::Visible>(
-            entity,
-            &rerun::SeriesLines::descriptor_visible_series(),
-        );
-        let [visible] = visible[..] else { panic!("{entity}: {visible:?}") };
-        assert_eq!(visible.0.0, !entity.ends_with("limit"), "{entity}");
-    }
 }
 
 #[test]
@@ -114,9 +89,7 @@ fn motors_have_a_tab_with_what_is_known_of_them() {
 #[test]
 fn where_motors_are_not_known_nothing_is_shown_of_them() {
     let read = record(30, |_| false);
-    let of_motors =
-        |chunk: &&rerun::log::Chunk| chunk.entity_path().to_string().starts_with("/motor");
-    assert_eq!(read.chunks.iter().filter(of_motors).count(), 0);
+    assert_eq!(read.entities(|path| path.starts_with("/motor")), [""; 0]);
     let parts = read.names_of_parts();
     assert!(parts.iter().any(|name| name == "Tool error (mm)"), "{parts:?}");
     assert!(!parts.iter().any(|name| name.contains("otor")), "{parts:?}");

@@ -1,9 +1,11 @@
 //! Reader of recordings for the tests, with rerun's decoder.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use rerun::external::re_log_encoding::Decoder;
 use rerun::external::re_sdk_types::blueprint::archetypes as layout;
+use rerun::external::re_sdk_types::blueprint::components::QueryExpression;
 use rerun::log::{Chunk, LogMsg};
 use rerun::{ComponentDescriptor, components};
 
@@ -40,6 +42,23 @@ impl Read {
         self.chunks
             .iter()
             .filter(move |chunk| *chunk.entity_path() == rerun::EntityPath::from(entity))
+    }
+
+    /// Paths of the entities for which `is` holds, each once.
+    pub(crate) fn entities(&self, is: impl Fn(&str) -> bool) -> Vec<String> {
+        let paths = self.chunks.iter().map(|chunk| chunk.entity_path().to_string());
+        paths.filter(|path| is(path)).collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
+    /// True if a view of the layouts shows this folder.
+    pub(crate) fn shows(&self, folder: &str) -> bool {
+        let queries = self.of_layout::<QueryExpression>(&layout::ViewContents::descriptor_query());
+        queries.iter().any(|query| query.0.as_str() == format!("+ /{folder}/**"))
+    }
+
+    /// Where an entity is, with time (ns) and line.
+    pub(crate) fn places(&self, entity: &str) -> Vec<(i64, i64, Vec<components::Translation3D>)> {
+        self.rows(entity, &rerun::Transform3D::descriptor_translation())
     }
 
     /// Rows of a component with their time (ns) and line, in the order of time.
@@ -96,15 +115,11 @@ impl Read {
     }
 
     pub(crate) fn strips(&self, entity: &str) -> Vec<(i64, Vec<[f32; 3]>)> {
-        let rows =
-            self.rows::<components::LineStrip3D>(entity, &rerun::LineStrips3D::descriptor_strips());
-        rows.into_iter()
-            .flat_map(|(time, _, strips)| {
-                strips
-                    .into_iter()
-                    .map(move |strip| (time, strip.0.into_iter().map(|point| point.0).collect()))
-            })
-            .collect()
+        let strips = rerun::LineStrips3D::descriptor_strips();
+        let rows = self.rows::<components::LineStrip3D>(entity, &strips).into_iter();
+        let strips =
+            rows.flat_map(|(time, _, strips)| strips.into_iter().map(move |it| (time, it)));
+        strips.map(|(time, strip)| (time, strip.0.iter().map(|point| point.0).collect())).collect()
     }
 
     /// Values of a component in the layouts.
