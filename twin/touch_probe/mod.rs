@@ -1,9 +1,7 @@
 //! Touch probe: the tool of the simulated machine during a probing move.
 
 #[cfg(test)]
-mod plane_tests;
-#[cfg(test)]
-mod vice_tests;
+mod tests;
 
 use crate::plant::{ProbeMiss, ProbeTouch};
 use crate::setpoint::AxisSetpoint;

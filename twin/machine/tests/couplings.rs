@@ -1,9 +1,8 @@
 //! Tests of gears and cams of the machine file, and of the motion of their slaves.
 
-use super::{Machine, SHORT, load, problems};
+use super::{Machine, SHORT, load};
 use crate::CoupledBy;
 use crate::axis_couplings::{AxesError, AxisCouplings};
-use std::path::Path;
 use twin_kinematics::{AxisMotion, AxisVector};
 
 fn near(one: f64, other: f64) {
@@ -102,81 +101,6 @@ fn a_cam_knows_the_period_of_its_master() {
     let mut axes = at(410.0);
     coupled.apply(&mut axes, 1_000_000).unwrap();
     near(axes.position[1], 5e-3);
-}
-
-#[test]
-fn what_cannot_follow_is_told() {
-    let said = |text: &str, message: &str| {
-        let found = problems(&with(text));
-        assert!(
-            found.iter().any(|(_, found_text, _)| found_text.contains(message)),
-            "{text}: {found:#?}"
-        );
-    };
-    said(
-        "[[gears]]\naxis = \"Q\"\nmaster = \"X\"\nratio_numerator = 1\n",
-        "no axis \"Q\"; there are X, Y, Z",
-    );
-    said("[[gears]]\naxis = \"X\"\nmaster = \"X\"\nratio_numerator = 1\n", "cannot follow itself");
-    said("[[gears]]\naxis = \"X\"\nmaster = \"Y\"\n", "lacks `ratio_numerator`");
-    said(
-        "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\nratio_denominator = 0\n",
-        "between 1 and",
-    );
-    said(&format!("{GEAR}{}", GEAR.replace("\"X\"", "\"Z\"")), "follows another one already");
-    let ring = "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\n";
-    said(&format!("{GEAR}{ring}"), "in a ring");
-    said(&format!("{GEAR}{ring}"), "follow each other in a ring: X -> Y -> X");
-    said(
-        "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 0\n",
-        "`ratio_numerator` is 0: the slave would never move",
-    );
-    said("[[cams]]\naxis = \"X\"\nmaster = \"Y\"\ncam = \"none.toml\"\n", "none.toml");
-    said("[[cams]]\naxis = \"X\"\nmaster = \"Y\"\n", "lacks `cam`");
-    assert!(Machine::load(Path::new("none.toml")).is_err());
-}
-
-/// A cycle is reported at one of its own tables, and an axis that is not there hides nothing else of its table.
-#[test]
-fn places_of_what_cannot_follow() {
-    let ring = "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\n";
-    let found = problems(&with(&format!("{GEAR}{ring}")));
-    let (place, message, _) = &found[0];
-    assert!(message.contains("in a ring") && place.contains("gears"), "{found:#?}");
-    let wrong = "[[gears]]\naxis = \"Q\"\nmaster = \"X\"\nratio_numerator = 0\nrato = 3\n";
-    let found = problems(&with(wrong));
-    for said in ["there is no axis \"Q\"", "`ratio_numerator` is 0", "unknown key"] {
-        assert!(
-            found.iter().any(|(_, found_text, _)| found_text.contains(said)),
-            "{said}: {found:#?}"
-        );
-    }
-    let cam =
-        "[[cams]]\naxis = \"Q\"\nmaster = \"X\"\ncam = \"none.toml\"\nstart_mode = \"ramp\"\n";
-    let found = problems(&with(cam));
-    for said in ["there is no axis \"Q\"", "(error 2200)", "`start_mode` is \"ramp\""] {
-        assert!(
-            found.iter().any(|(_, found_text, _)| found_text.contains(said)),
-            "{said}: {found:#?}"
-        );
-    }
-    // The keys of a known axis are valid even if the other axis is unknown.
-    let cam =
-        "[[cams]]\naxis = \"Z\"\nmaster = \"Q\"\ncam = \"none.toml\"\nslave_offset_mm = \"3\"\n";
-    let found = problems(&with(cam));
-    assert!(
-        found.iter().any(|(_, found_text, _)| found_text.contains("`slave_offset_mm`")),
-        "{found:#?}"
-    );
-    let ratio =
-        "[[gears]]\naxis = \"Z\"\nmaster = \"X\"\nratio_numerator = 0\nratio_denominator = 0\n";
-    let found = problems(&with(ratio));
-    for said in ["`ratio_numerator` is 0", "`ratio_denominator` is 0"] {
-        assert!(
-            found.iter().any(|(_, found_text, _)| found_text.contains(said)),
-            "{said}: {found:#?}"
-        );
-    }
 }
 
 /// What `[coupling]` of a cam's file and `--master-scaling` refuse, `[[cams]]` refuse at the same key.

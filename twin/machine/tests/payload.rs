@@ -1,6 +1,6 @@
 //! Tests of the payload against closed forms.
 
-use super::{edited, load, only, says, workspace};
+use super::{SCARA2, edited, load, workspace};
 use crate::Machine;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
@@ -16,7 +16,6 @@ const MASS: f64 = 2.5;
 const CENTER: [f64; 3] = [0.03, -0.02, -0.09];
 const ABOUT_Z: f64 = 0.025;
 
-const SCARA2: &str = include_str!("../../../machines/scara2.toml");
 const SCARA3: &str = include_str!("../../../machines/scara3.toml");
 const CUTTER: &str = include_str!("../../../machines/gantry_cutter3.toml");
 const OFFSET_TOOL: &str = include_str!("../../../machines/gantry3_tool2.toml");
@@ -174,36 +173,4 @@ fn nothing_is_held_by_default() {
     }
     let machine = with(SCARA2, HELD);
     near(machine.moving_mass() - load(SCARA2).moving_mass(), MASS);
-}
-
-#[test]
-fn what_no_payload_can_be_is_said() {
-    for (payload, place, words) in [
-        (
-            "[payload]\nmass_kg = -1.0\n",
-            "-1.0",
-            "`mass_kg` is -1.0; it must lie between 0 and 100000",
-        ),
-        ("[payload]\ncenter_mm = [0, 0, 0]\n", "[payload]", "[payload] lacks `mass_kg`"),
-        ("[payload]\nmass_kg = 1\ncenter_mm = [0, 0]\n", "[0, 0]", "2 entries; expected 3"),
-        ("[payload]\nmass_kg = 1\ncenter_mm = [0, 0, 1e5]\n", "1e5", "between -10000 and 10000"),
-        (
-            "[payload]\nmass_kg = 1\ninertia_kg_m2 = [0.1, -0.1, 0.1]\n",
-            "-0.1",
-            "`inertia_kg_m2` is -0.1",
-        ),
-        (
-            "[payload]\nmass_kg = 1\ninertia_kg_m2 = [0.1, 0.1, 0.21]\n",
-            "[0.1, 0.1, 0.21]",
-            "a moment of 0.21, more than both others together",
-        ),
-        ("[payload]\nmass_g = 1\nmass_kg = 1\n", "mass_g", "unknown key `mass_g` in [payload]"),
-    ] {
-        let text = edited(SCARA2, "[program]\n", &format!("{payload}[program]\n"));
-        let found = says(&text, &[words]);
-        assert!(found.contains(place), "{found} is not {place}");
-    }
-    let text =
-        edited(SCARA2, "[program]\n", "[payload]\nmass_kg = 1\ncentre_mm = [0, 0, 1]\n[program]\n");
-    assert_eq!(only(&text).2.as_deref(), Some("did you mean `center_mm`?"));
 }

@@ -110,34 +110,7 @@ fn obstacles_have_any_shape() {
         "[rs274]",
         "[work_frame]\ntranslation_mm = [100.0, 0.0, 0.0]\n[rs274]",
     );
-    let text = format!(
-        "{text}
-[[obstacles]]
-name = \"wedge\"
-shape = \"mesh\"
-file = \"wedge.stl\"
-scale = 2.0
-frame = \"work\"
-[[obstacles]]
-name = \"pipe\"
-shape = \"cylinder\"
-radius_mm = 5
-length_mm = 100
-position_mm = [0, 100, -20]
-rotation_deg = [0, 90, 0]
-[[obstacles]]
-name = \"pill\"
-shape = \"capsule\"
-radius_mm = 4
-length_mm = 30
-position_mm = [0, -100, 0]
-[[obstacles]]
-name = \"ball\"
-shape = \"sphere\"
-radius_mm = 12
-position_mm = [400, 0, 0]
-"
-    );
+    let text = text + "\n" + include_str!("obstacles.toml");
     let machine = Machine::parse(&file, &text).unwrap_or_else(|problems| panic!("{problems:#?}"));
     // In the machine frame.
     let at = |[x, y, z]: [f64; 3], part, mm| {
@@ -154,50 +127,6 @@ position_mm = [400, 0, 0]
     at([400.0, 0.0, 20.0], "ball", 8.0);
     let solid = &machine.collision.as_ref().unwrap().surroundings.obstacles[0].solids[0];
     assert!(matches!(solid.shape, SolidShape::Mesh { .. }));
-}
-
-#[test]
-fn what_is_wrong_with_obstacles_is_said() {
-    let with = |text: &str| {
-        let problems = parse(&format!("{GANTRY3}\n{text}")).unwrap_err();
-        let said: Vec<_> = problems.iter().map(|problem| problem.message.clone()).collect();
-        said.join("; ")
-    };
-    let one = "[[obstacles]]\nname = \"a\"\n";
-    let ball = format!("{one}shape = \"sphere\"\nradius_mm = 1");
-    for (text, expected) in [
-        (one.to_owned(), "lacks `shape`"),
-        (format!("{one}shape = \"box\""), "lacks `size_mm`"),
-        (format!("{one}shape = \"bok\""), "expected \"box\""),
-        (format!("{one}shape = \"sphere\"\nradius_mm = -1"), "`radius_mm` is -1"),
-        (format!("{ball}\nradius = 2"), "unknown key `radius`"),
-        (format!("{one}shape = \"mesh\"\nfile = \"nowhere.stl\""), "nowhere.stl"),
-        (format!("{one}shape = \"mesh\"\nfile = \"Cargo.toml\""), "toml files cannot be read"),
-        (format!("{ball}\n{ball}"), "there is an obstacle of this name already"),
-        (
-            "[[obstacles]]\nname = \"tool\"\nshape = \"sphere\"\nradius_mm = 1".to_owned(),
-            "an obstacle is called \"tool\", as a link or the tool is",
-        ),
-        (
-            "[collision]\nleave_out = [[\"tool\", \"vice\"]]".to_owned(),
-            "names \"vice\", which is neither a link nor an obstacle; there are tool, base",
-        ),
-        ("[collision]\nleave_out = [\"tool\"]".to_owned(), "a pair of names"),
-        ("[collision]\nself_collision = 1".to_owned(), "true or false"),
-        ("[collision]\nclearance_mm = -1".to_owned(), "`clearance_mm` is -1"),
-    ] {
-        let said = with(&text);
-        assert!(said.contains(expected), "{text}: {said}");
-    }
-    for (holder, expected) in [
-        ("holder_length_mm = 10", "lacks `holder_diameter_mm`"),
-        ("holder_length_mm = 50\nholder_diameter_mm = 20", "the holder is 50 mm long, the tool"),
-        ("diameter_mm = 0", "`diameter_mm` is 0"),
-    ] {
-        let text = edited(GANTRY3, "mass_kg = 0.3", &format!("mass_kg = 0.3\n{holder}"));
-        let said = parse(&text).unwrap_err();
-        assert!(said.iter().any(|problem| problem.message.contains(expected)), "{said:#?}");
-    }
 }
 
 /// Links that are drawn into each other are not looked at, and named.

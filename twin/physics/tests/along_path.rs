@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::parallel::rows_of;
-use super::scara::{FEED_FORWARD, circle, scara};
+use super::scara::{circle, feed_forwards, scara};
 use super::*;
 use twin_planner::time_optimal::{DragRow, Row};
 
@@ -35,8 +35,8 @@ fn on_circle(dynamics: &mut PathDynamics, t: f64) -> JointVector {
 #[test]
 fn efforts_on_a_circle_are_pinocchios() {
     let mut dynamics = PathDynamics::new(&scara(), &[FREE; 3], down()).unwrap();
-    for (cycle, expected) in FEED_FORWARD {
-        let effort = on_circle(&mut dynamics, (f64::from(cycle) + 0.5) * 1e-3);
+    for [cycle, expected @ ..] in feed_forwards() {
+        let effort = on_circle(&mut dynamics, (cycle + 0.5) * 1e-3);
         assert!((effort - joints(expected)).amax() < 1e-12, "{cycle}: {effort} {expected:?}");
     }
 }

@@ -2,40 +2,33 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::elastic::slide;
 use super::*;
 
-fn run(machine: &mut PhysicsMachine, effort: &AxisVector, cycles: u32) -> AxisState {
-    for _ in 0..cycles {
-        machine.step_with_efforts(effort).unwrap();
+#[test]
+fn slides_move_as_newton_says() {
+    let rotor = AxisDriveParameters { armature: 2.0, ..SLACK };
+    // Velocity approaches F/c as 1 − exp(−c·t/m).
+    let (rate, left) = (30.0 / 2.0, f64::exp(-30.0 * 0.1 / 2.0));
+    let terminal = 12.0 / 30.0;
+    let slowed = [terminal * (0.1 - (1.0 - left) / rate), terminal * (1.0 - left)];
+    let holding = holding_effort(&lift(3.0), &axes([0.2]))[0];
+    assert!((holding - 3.0 * G).abs() < 1e-12);
+    // Mass, drive, gravity, start, effort; time in ms, position and velocity then.
+    for (name, mass, drive, gravity, start, effort, time, expected, allowed) in [
+        ("it falls", 3.0, SLACK, down(), 0.5, 0.0, 1000, [0.5 - 0.5 * G, -G], 1e-12),
+        // A rotor that turns with the slide adds to what is moved, not to what falls.
+        ("rotor", 3.0, rotor, down(), 0.0, 0.0, 500, [-0.075 * G, -0.3 * G], 1e-12),
+        ("its weight holds it", 3.0, SLACK, down(), 0.2, holding, 1000, [0.2, 0.0], 1e-14),
+        ("friction", 2.0, rough(0.0, 30.0), Vector3::zeros(), 0.0, 12.0, 100, slowed, 1e-11),
+    ] {
+        let mut machine = started(&lift(mass), &[drive], gravity, &axes([start]));
+        let state = machine.push([effort], time);
+        for (found, expected) in [state.position[0], state.velocity[0]].into_iter().zip(expected) {
+            assert!((found - expected).abs() < allowed, "{name}: {state:?}, not {expected}");
+        }
+        assert_eq!(state.time_ns, i64::from(time) * CYCLE_NS, "{name}");
     }
-    *machine.axis_state()
-}
-
-#[test]
-fn a_slide_without_effort_falls() {
-    let mut machine = started(&lift(3.0), &[SLACK], down(), &axes([0.5]));
-    let state = run(&mut machine, &axes([0.0]), 1000);
-    assert!((state.position[0] - (0.5 - 0.5 * G)).abs() < 1e-12, "{state:?}");
-    assert!((state.velocity[0] + G).abs() < 1e-12, "{state:?}");
-    assert_eq!(state.time_ns, 1_000_000_000);
-}
-
-/// A rotor that turns with the slide adds to what is moved, not to what falls.
-#[test]
-fn a_rotor_makes_it_fall_slower() {
-    let drive = AxisDriveParameters { armature: 2.0, ..SLACK };
-    let mut machine = started(&lift(3.0), &[drive], down(), &axes([0.0]));
-    let state = run(&mut machine, &axes([0.0]), 500);
-    assert!((state.velocity[0] + 0.5 * G * 3.0 / 5.0).abs() < 1e-12, "{state:?}");
-}
-
-#[test]
-fn the_effort_that_holds_a_slide_is_its_weight() {
-    let holding = holding_effort(&lift(3.0), &axes([0.2]));
-    assert!((holding[0] - 3.0 * G).abs() < 1e-12);
-    let mut machine = started(&lift(3.0), &[SLACK], down(), &axes([0.2]));
-    let state = run(&mut machine, &holding, 1000);
-    assert!((state.position[0] - 0.2).abs() < 1e-14, "{state:?}");
 }
 
 /// A physical pendulum of large amplitude: its period is 2π·√(I/mgl) / agm(1, cos(θ₀/2)), its energy a constant.
@@ -87,21 +80,15 @@ fn a_pendulum_swings_in_its_period() {
 #[test]
 fn dry_friction_holds_and_brakes() {
     let drive = rough(4.0, 0.0);
-    let model = chain([(
-        JointKind::Prismatic,
-        Vector3::x(),
-        Isometry3::identity(),
-        Some(uniform_box(2.0, [0.0; 3], [0.1; 3])),
-    )]);
-    let mut machine = started(&model, &[drive], down(), &axes([0.1]));
-    let state = run(&mut machine, &axes([3.9]), 1000);
+    let mut machine = started(&slide(2.0), &[drive], down(), &axes([0.1]));
+    let state = machine.push([3.9], 1000);
     assert!((state.position[0] - 0.1).abs() < 1e-14, "it creeps: {state:?}");
     // 10 N against 4 N for 0.5 s: 3 m/s², 0.375 m.
-    let state = run(&mut machine, &axes([10.0]), 500);
+    let state = machine.push([10.0], 500);
     assert!((state.position[0] - 0.475).abs() < 1e-12, "{state:?}");
     assert!((state.velocity[0] - 1.5).abs() < 1e-12, "{state:?}");
     // 2 m/s² stop it after 0.75 s and 0.5625 m, and there it stays.
-    let state = run(&mut machine, &axes([0.0]), 1000);
+    let state = machine.push([0.0], 1000);
     assert!((state.position[0] - (0.475 + 0.5625)).abs() < 1e-9, "{state:?}");
     assert!(state.velocity[0].abs() < 1e-12, "{state:?}");
 }
@@ -114,28 +101,18 @@ fn coupled_axes_stick() {
     let holding = holding_effort(&crooked(), &start);
     assert!(holding.iter().any(|effort| effort.abs() > 10.0), "{holding:?}");
     assert!(holding.iter().all(|effort| effort.abs() < 50.0), "{holding:?}");
-    let mut machine = started(&crooked(), &[drive.clone(), drive.clone(), drive], down(), &start);
-    let state = run(&mut machine, &axes([0.0; 3]), 1000);
+    let mut machine = started(&crooked(), &[(); 3].map(|()| drive.clone()), down(), &start);
+    let state = machine.push([0.0; 3], 1000);
     for (now, start) in state.position.iter().zip(start.iter()) {
         assert!((now - start).abs() < 1e-12, "{state:?}");
     }
-}
-
-/// Viscous friction: velocity approaches F/c as 1 − exp(−c·t/m).
-#[test]
-fn viscous_friction_ends_the_acceleration() {
-    let drive = rough(0.0, 30.0);
-    let mut machine = started(&lift(2.0), &[drive], Vector3::zeros(), &axes([0.0]));
-    let state = run(&mut machine, &axes([12.0]), 100);
-    let expected = 12.0 / 30.0 * (1.0 - f64::exp(-30.0 * 0.1 / 2.0));
-    assert!((state.velocity[0] - expected).abs() < 1e-11, "{state:?} is not {expected}");
 }
 
 /// Two slides at right angles: axes do not disturb each other, each accelerates what it carries.
 #[test]
 fn each_axis_of_a_gantry_moves_what_it_carries() {
     let mut machine = started(&gantry(), &[SLACK; 3], down(), &axes([0.0; 3]));
-    let state = run(&mut machine, &axes([40.0, -16.0, 3.0 * (G + 1.0)]), 1000);
+    let state = machine.push([40.0, -16.0, 3.0 * (G + 1.0)], 1000);
     let expected = [0.5 * 40.0 / 20.0, -0.5 * 16.0 / 8.0, 0.5];
     for (position, expected) in state.position.iter().zip(expected) {
         assert!((position - expected).abs() < 1e-12, "{state:?}");
@@ -147,9 +124,9 @@ fn each_axis_of_a_gantry_moves_what_it_carries() {
 fn a_crooked_chain_keeps_its_energy() {
     let model = crooked();
     let mut machine = started(&model, &[SLACK; 3], down(), &axes([0.3, 0.1, -0.5]));
-    machine.start_moving(joints([1.0, -0.4, PI]));
+    machine.start_moving(&axes([1.0, -0.4, PI]));
     let start = machine.energy(&model);
-    let state = run(&mut machine, &axes([0.0; 3]), 1000);
+    let state = machine.push([0.0; 3], 1000);
     assert!((machine.energy(&model) - start).abs() < 1e-8 * start.abs());
     assert!((state.position[0] - 0.3).abs() > 0.1);
 }

@@ -14,10 +14,7 @@ pub(super) fn solid(shape: SolidShape, place: [f64; 3]) -> Solid {
 
 pub(super) fn cuboid(low: [f64; 3], high: [f64; 3]) -> Solid {
     let (low, high) = (Vector3::from(low), Vector3::from(high));
-    solid(
-        SolidShape::Box { size: high - low },
-        nalgebra::center(&low.into(), &high.into()).coords.into(),
-    )
+    solid(SolidShape::Box { size: high - low }, ((low + high) * 0.5).into())
 }
 
 pub(super) fn around<const N: usize>(solids: [(&str, Solid); N]) -> Surroundings {
@@ -62,8 +59,7 @@ fn an_arm_presses_as_hard_as_its_motors_push() {
     let model = arm();
     let start = axes([0.4, 0.9]);
     let tip = model.tip_position(&start);
-    let inertia = axis_inertia(&model, &start).unwrap();
-    let drives: Vec<_> = inertia.iter().map(|inertia| springy(*inertia)).collect();
+    let drives = drives_of(&model, &start, springy);
     let mut machine = started(&model, &drives, down(), &start);
     // The tool's radius is a tenth of its length; the wall is half a millimetre away.
     let face = tip.x + 0.006 + 0.0005;
@@ -71,11 +67,7 @@ fn an_arm_presses_as_hard_as_its_motors_push() {
     let wall = cuboid([face, -1.0, tip.z - 0.01], [face + 0.005, 1.0, tip.z + 0.03]);
     machine.insert_surroundings(&around([("wall", wall)])).unwrap();
     let (a, ab): (f64, f64) = (0.4 - 0.01, 0.4 - 0.01 + 0.9);
-    let into_the_wall = axes([a, ab - a]);
-    for _ in 0..4000 {
-        machine.step(&AxisMotion::at_rest(into_the_wall)).unwrap();
-    }
-    let state = *machine.axis_state();
+    let state = machine.hold([a, ab - a], 4000);
     assert!(state.velocity.iter().all(|velocity| velocity.abs() < 1e-7), "{state:?}");
     let [contact] = machine.contacts() else { panic!("{:?}", machine.contacts()) };
     assert_eq!(contact.parts, [Part::Tool, Part::Obstacle(0)]);
@@ -121,10 +113,8 @@ fn a_tripod_presses_with_its_three_motors() {
     let model = generated(&TripodDeviations::default());
     let start = axes([0.35; 3]);
     let tip = model.tip_position(&start);
-    let inertia = axis_inertia(&model, &start).unwrap();
-    let drives: Vec<_> = inertia.iter().map(|inertia| springy(*inertia)).collect();
-    let none = Vector3::zeros();
-    let mut machine = started(&model, &drives, none, &start);
+    let drives = drives_of(&model, &start, springy);
+    let mut machine = started(&model, &drives, Vector3::zeros(), &start);
     let floor = |top| Surroundings { among_links: false, ..Surroundings::floor(top) };
     let mut scan = ClearanceScan::new(&model, 3, &floor(tip.z - 0.1)).unwrap();
     let lowest = scan.nearest(&start).unwrap().unwrap().points[0].z;
@@ -135,10 +125,7 @@ fn a_tripod_presses_with_its_three_motors() {
     };
     assert!((depth - 1e-3).abs() < 1e-9, "{overlap:?}");
     machine.insert_surroundings(&floor(lowest - 3e-4)).unwrap();
-    for _ in 0..3000 {
-        machine.step(&AxisMotion::at_rest(axes([0.348; 3]))).unwrap();
-    }
-    let state = *machine.axis_state();
+    let state = machine.hold([0.348; 3], 3000);
     let contacts = machine.contacts();
     let force: f64 = contacts.iter().map(|contact| contact.force).sum();
     let given: f64 = -state.effort.iter().sum::<f64>();
@@ -154,15 +141,11 @@ fn a_tripod_presses_with_its_three_motors() {
 fn a_crash_ends_at_the_plate() {
     for speed in [0.2, 1.0, 2.0, 3.7, 5.0, 12.0] {
         for offset in [0.0, 3e-4, 7e-4] {
-            let mut machine = started(
-                &solid_gantry(),
-                &[SLACK; 3],
-                Vector3::zeros(),
-                &axes([0.1 + offset, 0.0, 0.1]),
-            );
+            let start = axes([0.1 + offset, 0.0, 0.1]);
+            let mut machine = started(&solid_gantry(), &[SLACK; 3], Vector3::zeros(), &start);
             let plate = cuboid([0.5, -0.2, 0.0], [0.505, 0.2, 0.6]);
             machine.insert_surroundings(&around([("plate", plate)])).unwrap();
-            machine.start_moving(joints([speed, 0.3 * speed, 0.0]));
+            machine.start_moving(&axes([speed, 0.3 * speed, 0.0]));
             let mut fastest = 0.0_f64;
             let mut crashed = false;
             for _ in 0..2500 {
@@ -198,31 +181,25 @@ fn links_stop_each_other() {
     // A post on the base where the second arm comes when it is folded back.
     model.links[0].collision = vec![cuboid([0.05, 0.08, -0.5], [0.09, 0.12, 0.5])];
     let start = axes([0.0, 1.2]);
-    let inertia = axis_inertia(&model, &start).unwrap();
-    let drives: Vec<_> = inertia.iter().map(|inertia| tuned(*inertia, 30.0, 60.0)).collect();
-    let mut machine = started(&model, &drives, down(), &start);
-    machine.insert_surroundings(&Surroundings::default()).unwrap();
-    for cycle in 0..2000 {
-        let fold = (f64::from(cycle) * 1e-3).min(1.5);
-        machine.step(&AxisMotion::at_rest(axes([0.0, 1.2 + fold]))).unwrap();
-    }
-    let collisions = machine.take_collisions();
+    let drives = drives_of(&model, &start, |inertia| tuned(inertia, 30.0, 60.0));
+    let folded = |left_out: &[Part]| {
+        let mut machine = started(&model, &drives, down(), &start);
+        let left_out = left_out.iter().map(|link| [*link, Part::Link(0)]).collect();
+        let surroundings = Surroundings { left_out, ..Surroundings::default() };
+        machine.insert_surroundings(&surroundings).unwrap();
+        for cycle in 0..2500 {
+            machine.hold([0.0, 1.2 + f64::min(f64::from(cycle) * 1e-3, 1.5)], 1);
+        }
+        (machine.take_collisions(), machine.axis_state().position[1])
+    };
+    let (collisions, bend) = folded(&[]);
     let [one, other] = collisions[0].contact.parts;
     assert_eq!(one, Part::Link(0), "{collisions:?}");
     assert!(matches!(other, Part::Link(2) | Part::Tool), "{collisions:?}");
-    assert!(machine.axis_state().position[1] < 2.6, "{:?}", machine.axis_state());
-
-    let links = [Part::Link(1), Part::Link(2), Part::Link(3), Part::Tool];
-    let left_out = links.map(|link| [link, Part::Link(0)]).to_vec();
-    let mut machine = started(&model, &drives, down(), &start);
-    machine.insert_surroundings(&Surroundings { left_out, ..Surroundings::default() }).unwrap();
-    for cycle in 0..2500 {
-        let fold = (f64::from(cycle) * 1e-3).min(1.5);
-        machine.step(&AxisMotion::at_rest(axes([0.0, 1.2 + fold]))).unwrap();
-    }
-    let collisions = machine.take_collisions();
+    assert!(bend < 2.6, "{bend}");
+    let (collisions, bend) = folded(&[Part::Link(1), Part::Link(2), Part::Link(3), Part::Tool]);
     assert!(collisions.is_empty(), "{collisions:?}");
-    assert!((machine.axis_state().position[1] - 2.7).abs() < 1e-3);
+    assert!((bend - 2.7).abs() < 1e-3, "{bend}");
 }
 
 /// An L of triangles, 40 mm long, 10 mm thick, 10 mm high.
@@ -246,24 +223,20 @@ fn bracket() -> Mesh {
 /// A ball goes into the corner of a bracket, which its convex hull would not let it.
 #[test]
 fn meshes_are_convex_parts() {
-    let scale = Vector3::repeat(10.0);
-    let shape = SolidShape::Mesh { mesh: std::sync::Arc::new(bracket()), scale };
-    let mut surroundings = around([("bracket", solid(shape, [0.0; 3]))]);
+    let mut surroundings = around([("bracket", solid(mesh(bracket(), 10.0), [0.0; 3]))]);
     let model = solid_gantry();
     let mut scan = ClearanceScan::new(&model, 3, &surroundings).unwrap();
     // The ball's middle at 0.2, 0.2, half of the bracket's height: 0.1 m from both legs.
-    let nearest = scan.nearest(&axes([0.15, 0.2, -0.15])).unwrap().unwrap();
-    assert_eq!(nearest.parts, [Part::Link(3), Part::Obstacle(0)]);
-    assert!((nearest.distance - 0.07).abs() < 2e-3, "{nearest:?}");
+    let mut nearest = |place| scan.nearest(&axes(place)).unwrap().unwrap();
+    let found = nearest([0.15, 0.2, -0.15]);
+    assert_eq!(found.parts, [Part::Link(3), Part::Obstacle(0)]);
+    assert!((found.distance - 0.07).abs() < 2e-3, "{found:?}");
     // 10 mm before the end of a leg.
-    let nearest = scan.nearest(&axes([0.39, 0.05, -0.15])).unwrap().unwrap();
-    assert!((nearest.distance - 0.01).abs() < 2e-3, "{nearest:?}");
-    let nearest = scan.nearest(&axes([0.0, 0.05, -0.15])).unwrap().unwrap();
-    assert!(nearest.distance < -0.03, "{nearest:?}");
+    assert!((nearest([0.39, 0.05, -0.15]).distance - 0.01).abs() < 2e-3);
+    assert!(nearest([0.0, 0.05, -0.15]).distance < -0.03);
 
     // A mesh that is convex is one body, exactly.
-    let shape = SolidShape::Mesh { mesh: std::sync::Arc::new(tetrahedron()), scale };
-    surroundings.obstacles[0].solids = vec![solid(shape, [1.0, 0.0, 0.0])];
+    surroundings.obstacles[0].solids = vec![solid(mesh(tetrahedron(), 10.0), [1.0, 0.0, 0.0])];
     let mut scan = ClearanceScan::new(&model, 3, &surroundings).unwrap();
     let nearest = scan.nearest(&axes([0.05, 0.5, 0.3])).unwrap().unwrap();
     assert!((nearest.distance - (0.9 - 0.03)).abs() < 1e-9, "{nearest:?}");
@@ -274,8 +247,7 @@ fn meshes_are_convex_parts() {
         [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from).to_vec(),
         vec![[0, 1, 2]],
     );
-    let shape = SolidShape::Mesh { mesh: std::sync::Arc::new(flat.unwrap()), scale };
-    surroundings.obstacles[0].solids = vec![solid(shape, [1.0, 0.0, 0.0])];
+    surroundings.obstacles[0].solids = vec![solid(mesh(flat.unwrap(), 10.0), [1.0, 0.0, 0.0])];
     assert_eq!(
         ClearanceScan::new(&model, 3, &surroundings).unwrap_err(),
         PhysicsError::FlatMesh { part: Part::Obstacle(0), solid: 0 }
@@ -321,16 +293,14 @@ fn stock_is_for_the_tool_alone() {
     let tip = model.tip_position(&start);
     let stock = cuboid([-1.0, -1.0, tip.z - 0.5], [1.0, 1.0, tip.z + 0.01]);
     let mut surroundings = around([("stock", stock)]);
-    let mut scan = ClearanceScan::new(&model, 2, &surroundings).unwrap();
-    let nearest = scan.nearest(&start).unwrap().unwrap();
-    assert!(nearest.parts.contains(&Part::Tool) && nearest.distance < -9e-3, "{nearest:?}");
+    let nearest = |scan: Result<ClearanceScan, _>| scan.unwrap().nearest(&start).unwrap().unwrap();
+    let found = nearest(ClearanceScan::new(&model, 2, &surroundings));
+    assert!(found.parts.contains(&Part::Tool) && found.distance < -9e-3, "{found:?}");
     surroundings.obstacles[0].kind = ObstacleKind::Stock;
-    let mut scan = ClearanceScan::new(&model, 2, &surroundings).unwrap();
-    let nearest = scan.nearest(&start).unwrap().unwrap();
-    assert!(!nearest.parts.contains(&Part::Tool) && nearest.distance > 0.0, "{nearest:?}");
-    let mut probe = ClearanceScan::of_tool(&model, 2, &surroundings).unwrap();
-    let nearest = probe.nearest(&start).unwrap().unwrap();
-    assert_eq!(nearest.parts, [Part::Tool, Part::Obstacle(0)]);
+    let found = nearest(ClearanceScan::new(&model, 2, &surroundings));
+    assert!(!found.parts.contains(&Part::Tool) && found.distance > 0.0, "{found:?}");
+    let found = nearest(ClearanceScan::of_tool(&model, 2, &surroundings));
+    assert_eq!(found.parts, [Part::Tool, Part::Obstacle(0)]);
 }
 
 /// A gantry whose quill carries `solid` in the place of the ball.
@@ -340,12 +310,12 @@ fn carrying(solid: Solid) -> Model {
     model
 }
 
+fn mesh(mesh: Mesh, scale: f64) -> SolidShape {
+    SolidShape::Mesh { mesh: std::sync::Arc::new(mesh), scale: Vector3::repeat(scale) }
+}
+
 /// What a quill may end in: a tool, a turned box, a mesh in one and in several parts.
 fn ends() -> [Solid; 4] {
-    let mesh = |mesh: Mesh, scale: f64| SolidShape::Mesh {
-        mesh: std::sync::Arc::new(mesh),
-        scale: Vector3::repeat(scale),
-    };
     let mut turned = solid(SolidShape::Box { size: Vector3::new(0.03, 0.05, 0.04) }, [0.0; 3]);
     turned.origin.rotation = nalgebra::UnitQuaternion::from_euler_angles(0.3, 0.5, 0.2);
     [
@@ -376,7 +346,7 @@ fn edges_end_where_they_are() {
                 let start = axes([0.17, 0.0, 0.2 - above.distance + height]);
                 let mut machine = started(&model, &[SLACK; 3], Vector3::zeros(), &start);
                 machine.insert_surroundings(&block).unwrap();
-                machine.start_moving(joints([speed, 0.0, 0.0]));
+                machine.start_moving(&axes([speed, 0.0, 0.0]));
                 let mut way = 0.0;
                 while way < 0.3 && machine.contacts().is_empty() {
                     machine.step_with_efforts(&axes([0.0; 3])).unwrap();
@@ -396,26 +366,22 @@ fn crashes_of_all_shapes_end_at_the_plate() {
         let model = carrying(end);
         let plate = around([("plate", cuboid([0.5, -0.3, -0.3], [0.505, 0.3, 0.9]))]);
         for speed in [0.3, 1.1, 2.0, 4.3] {
-            let start = axes([0.1, 0.0, 0.1]);
-            let none = Vector3::zeros();
-            let mut machine = started(&model, &[SLACK; 3], none, &start);
+            let velocity = axes([speed, 0.1 * speed, -0.05 * speed]);
+            let start = AxisMotion { velocity, ..AxisMotion::at_rest(axes([0.1, 0.0, 0.1])) };
+            let mut machine = moving(&model, &[SLACK; 3], Vector3::zeros(), &start);
             machine.insert_surroundings(&plate).unwrap();
-            let velocity = [speed, 0.1 * speed, -0.05 * speed];
-            machine.start_moving(joints(velocity));
             let energy = |velocity: &AxisVector| {
                 let masses = [20.0, 8.0, 3.0].into_iter().zip(velocity.iter());
                 masses.map(|(mass, velocity)| 0.5 * mass * velocity * velocity).sum::<f64>()
             };
-            let begun = energy(&axes(velocity));
+            let begun = energy(&velocity);
             let mut deepest = 0.0_f64;
             for _ in 0..1500 {
                 let state = machine.step_with_efforts(&axes([300.0, 0.0, 0.0])).unwrap();
                 let work = 300.0 * (state.position[0] - 0.1);
                 let now = energy(&state.velocity);
-                assert!(
-                    now <= begun + work + 1e-6,
-                    "{kind}, {speed} m/s: {now} of {begun} + {work} J"
-                );
+                let most = begun + work;
+                assert!(now <= most + 1e-6, "{kind}, {speed} m/s: {now} of {most} J");
                 let depths = machine.contacts().iter().map(|contact| contact.depth);
                 deepest = depths.fold(deepest, f64::max);
                 assert!(state.position[0] < 0.5, "{kind}, {speed} m/s: {state:?}");

@@ -69,15 +69,10 @@ fn plate() -> Surroundings {
 fn course(cycle: u32) -> AxisMotion {
     let t = f64::from(cycle) * 1e-3;
     let (sin, cos) = (3.0 * t).sin_cos();
-    let [a, b, c] = [0.05, 0.1, 0.01];
-    AxisMotion {
-        position: axes([a * sin, b * sin, c * sin]),
-        velocity: axes([3.0 * a * cos, 3.0 * b * cos, 3.0 * c * cos]),
-        acceleration: axes([-9.0 * a * sin, -9.0 * b * sin, -9.0 * c * sin]),
-    }
+    motion([sin, 3.0 * cos, -9.0 * sin].map(|value| [0.05, 0.1, 0.01].map(|half| half * value)))
 }
 
-fn bits(machine: &mut PhysicsMachine) -> (Vec<u64>, String) {
+pub(super) fn bits(machine: &mut PhysicsMachine) -> (Vec<u64>, String) {
     let state = machine.axis_state();
     let values = state.position.iter().chain(state.velocity.iter()).chain(state.effort.iter());
     let values: Vec<_> = values.map(|value| value.to_bits()).collect();
@@ -88,15 +83,19 @@ fn bits(machine: &mut PhysicsMachine) -> (Vec<u64>, String) {
 
 #[test]
 fn a_copy_goes_on_with_the_same_bits() {
-    let mut one = machine(&plate());
-    for cycle in 1..=400 {
-        one.step(&course(cycle)).unwrap();
-        if cycle == 300 {
-            assert!(one.fail(0, Fault::LooseBelt { stiffness: 0.3, backlash: 1e-5 }));
+    let pressed = || {
+        let mut machine = machine(&plate());
+        for cycle in 1..=400 {
+            machine.step(&course(cycle)).unwrap();
+            if cycle == 300 {
+                assert!(machine.fail(0, Fault::LooseBelt { stiffness: 0.3, backlash: 1e-5 }));
+            }
         }
-    }
-    assert!(!one.take_collisions().is_empty());
-    assert!(!one.contacts().is_empty(), "pressed against the plate");
+        assert!(!machine.take_collisions().is_empty());
+        assert!(!machine.contacts().is_empty(), "pressed against the plate");
+        machine
+    };
+    let mut one = pressed();
     let copy = one.clone();
     assert_eq!(copy.axis_state().time_ns, 400 * CYCLE_NS);
     let go_on = |machine: &mut PhysicsMachine| {
@@ -109,20 +108,12 @@ fn a_copy_goes_on_with_the_same_bits() {
     // Back again, in the machine itself and in another one.
     one.clone_from(&copy);
     assert_eq!(one.axis_state().time_ns, 400 * CYCLE_NS);
-    assert_eq!(go_on(&mut one), first);
     let mut other = machine(&plate());
     other.clone_from(&copy);
-    assert_eq!(go_on(&mut other), first);
     // All over again.
-    let mut again = machine(&plate());
-    for cycle in 1..=400 {
-        again.step(&course(cycle)).unwrap();
-        if cycle == 300 {
-            again.fail(0, Fault::LooseBelt { stiffness: 0.3, backlash: 1e-5 });
-        }
+    for mut machine in [one, other, pressed()] {
+        assert_eq!(go_on(&mut machine), first);
     }
-    assert!(!again.take_collisions().is_empty());
-    assert_eq!(go_on(&mut again), first);
 }
 
 /// Random set-points, some of them jumps, and every fault at any time: everything stays finite, and no faster than what the

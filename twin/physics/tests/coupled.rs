@@ -7,7 +7,7 @@ use twin_kinematics::Kinematics;
 use twin_kinematics::gantry::{BeltLayout, GantryH2};
 use twin_kinematics::tripod::Tripod;
 
-use super::parallel::{circle, h_gantry, reference, rings, thin};
+use super::parallel::{circle, h_gantry, rings, rows_of, thin};
 use super::*;
 
 /// The tip of the tool as rapier's bodies have it.
@@ -22,11 +22,10 @@ fn a_tripod_under_a_controller_moves_as_the_peer_does() {
         "t_s", "x", "y", "z", "f_ff1", "f_ff2", "f_ff3", "q_set1", "q_set2", "q_set3", "v_set1",
         "v_set2", "v_set3",
     ];
-    let Some(rows) = reference(columns) else { return };
+    let Some(rows) = rows_of("tripod_circle.csv", columns) else { return };
     let model = thin();
     let start = circle(0.0);
-    let mut machine = started(&model, &[SLACK; 3], down(), &start.position);
-    machine.start_moving(checked(&start.velocity, 3, 0).unwrap());
+    let mut machine = moving(&model, &[SLACK; 3], down(), &start);
     let tripod = Tripod::new(rings(), [0.0; 3]).unwrap();
     let w = std::f64::consts::TAU * 15.0;
     let (kp, kd) = (2.5 * w * w, 5.0 * w);
@@ -67,8 +66,7 @@ proptest! {
         let factors = [0, 1].map(|row| [0, 1].map(|column| by_drives[(row, column)]));
         let model = h_gantry(factors);
         let drives = [rotors[0], rotors[1], 0.0].map(|armature| AxisDriveParameters { armature, ..SLACK });
-        let mut machine =
-            started(&model, &drives, down(), &axes([0.0; 3]));
+        let mut machine = started(&model, &drives, down(), &axes([0.0; 3]));
         let transform = GantryH2::new([0.0; 2], layout).unwrap();
         let effort = axes([forces[0], forces[1], G]);
         let origin = model.tip_position(&[0.0; 3]);

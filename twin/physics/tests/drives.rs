@@ -39,20 +39,12 @@ fn enabled_drives_hold_the_machine() {
 #[test]
 fn a_step_is_followed() {
     let mut machine = machine(&tuned(500.0));
-    let target = AxisMotion::at_rest(axes([0.101, 0.199, 0.302]));
-    for _ in 0..5 {
-        machine.step(&target).unwrap();
-    }
-    let state = *machine.axis_state();
-    assert!(
-        state.velocity[0] > 0.0 && state.velocity[1] < 0.0 && state.velocity[2] > 0.0,
-        "{state:?}"
-    );
-    for _ in 0..1000 {
-        machine.step(&target).unwrap();
-    }
-    let state = *machine.axis_state();
-    for (position, target) in state.position.iter().zip(target.position.iter()) {
+    let target = [0.101, 0.199, 0.302];
+    let state = machine.hold(target, 5);
+    let [x, y, z] = [0, 1, 2].map(|axis| state.velocity[axis]);
+    assert!(x > 0.0 && y < 0.0 && z > 0.0, "{state:?}");
+    let state = machine.hold(target, 1000);
+    for (position, target) in state.position.iter().zip(target) {
         assert!((position - target).abs() < 1e-9, "{state:?}");
     }
 }
@@ -114,23 +106,10 @@ fn the_following_error_is_that_of_the_loop() {
     let mut good = machine(&tuned(500.0));
     let mut lag = machine(&lagging);
     // 0.2 m/s, reached with sin² in 0.2 s.
-    let (speed, rise) = (0.2, 0.2);
-    let w = std::f64::consts::PI / rise;
+    let speed = 0.2;
     let motion = |t: f64| {
-        let (position, velocity, acceleration) = if t < rise {
-            (
-                0.5 * speed * (t - (w * t).sin() / w),
-                0.5 * speed * (1.0 - (w * t).cos()),
-                0.5 * speed * w * (w * t).sin(),
-            )
-        } else {
-            (speed * (t - 0.5 * rise), speed, 0.0)
-        };
-        AxisMotion {
-            position: axes([0.1 + position, 0.2, 0.3]),
-            velocity: axes([velocity, 0.0, 0.0]),
-            acceleration: axes([acceleration, 0.0, 0.0]),
-        }
+        let [position, velocity, acceleration] = soft_start(speed, 0.2, t);
+        motion([[0.1 + position, 0.2, 0.3], [velocity, 0.0, 0.0], [acceleration, 0.0, 0.0]])
     };
     let mut worst = 0.0_f64;
     for cycle in 1..=1000 {
@@ -149,32 +128,21 @@ type Change<'a> = &'a dyn Fn(&mut Model);
 
 #[test]
 fn what_cannot_be_simulated_is_refused() {
-    let build =
-        |model: &Model, drives: &[AxisDriveParameters], initial: &AxisVector, cycle_ns: i64| {
-            PhysicsMachine::new(model, drives, down(), initial, cycle_ns).map(|_| ())
-        };
-    let wrong = AxisDriveParameters::servo(ServoParameters {
-        velocity_feed_forward: 1.5,
-        ..ServoParameters::SLACK
-    });
+    let build = |model: &Model, drives: &[AxisDriveParameters], initial: &AxisVector, cycle_ns| {
+        PhysicsMachine::new(model, drives, down(), initial, cycle_ns).map(drop)
+    };
+    let too_much = ServoParameters { velocity_feed_forward: 1.5, ..ServoParameters::SLACK };
+    let wrong = AxisDriveParameters::servo(too_much);
     let parameter = "velocity_feed_forward";
+    let out_of_range = PhysicsError::DriveParameter { axis: 1, parameter, value: 1.5 };
+    let too_few = PhysicsError::AxisCount { given: 2, expected: 3 };
     for (drives, initial, cycle_ns, error) in [
         (vec![SLACK; 3], axes([0.0; 3]), 0, PhysicsError::CycleTime(0)),
         (Vec::new(), axes([]), CYCLE_NS, PhysicsError::AxisNumber(0)),
         (vec![SLACK; 2], axes([0.0; 2]), CYCLE_NS, PhysicsError::JointAxis(2)),
         (vec![SLACK; 4], axes([0.0; 4]), CYCLE_NS, PhysicsError::AxisWithoutJoint(3)),
-        (
-            vec![SLACK; 3],
-            axes([0.0; 2]),
-            CYCLE_NS,
-            PhysicsError::AxisCount { given: 2, expected: 3 },
-        ),
-        (
-            vec![SLACK, wrong, SLACK],
-            axes([0.0; 3]),
-            CYCLE_NS,
-            PhysicsError::DriveParameter { axis: 1, parameter, value: 1.5 },
-        ),
+        (vec![SLACK; 3], axes([0.0; 2]), CYCLE_NS, too_few),
+        (vec![SLACK, wrong, SLACK], axes([0.0; 3]), CYCLE_NS, out_of_range),
         (vec![SLACK; 3], axes([0.0, f64::NAN, 0.0]), CYCLE_NS, PhysicsError::Input(0)),
     ] {
         assert_eq!(build(&gantry(), &drives, &initial, cycle_ns), Err(error));
@@ -184,7 +152,10 @@ fn what_cannot_be_simulated_is_refused() {
         model.joints[1].drive = JointDrive::Combination(vec![(0, 0.5), (1, 0.5)]);
     };
     let weightless = |model: &mut Model| model.links[3].inertial = None;
-    let rotor = AxisDriveParameters { armature: 0.1, ..SLACK };
+    let mass = |link: usize, mass: f64| {
+        move |model: &mut Model| model.links[link].inertial.as_mut().unwrap().mass = mass
+    };
+    let endless = f64::INFINITY;
     let changes: [(Change<'_>, _); 10] = [
         (&|_| (), Ok(())),
         (
@@ -213,14 +184,8 @@ fn what_cannot_be_simulated_is_refused() {
             Err(PhysicsError::NotATree { joint: 1, parent: 2, child: 2 }),
         ),
         (&weightless, Err(PhysicsError::NoInertia { axis: 2, inertia: 0.0 })),
-        (
-            &|model| model.links[1].inertial.as_mut().unwrap().mass = -1.0,
-            Err(PhysicsError::MassProperties { link: 1, mass: -1.0 }),
-        ),
-        (
-            &|model| model.links[2].inertial.as_mut().unwrap().mass = f64::INFINITY,
-            Err(PhysicsError::MassProperties { link: 2, mass: f64::INFINITY }),
-        ),
+        (&mass(1, -1.0), Err(PhysicsError::MassProperties { link: 1, mass: -1.0 })),
+        (&mass(2, endless), Err(PhysicsError::MassProperties { link: 2, mass: endless })),
     ];
     for (change, expected) in changes {
         let mut model = gantry();
@@ -229,6 +194,7 @@ fn what_cannot_be_simulated_is_refused() {
     }
     let mut model = gantry();
     weightless(&mut model);
+    let rotor = AxisDriveParameters { armature: 0.1, ..SLACK };
     assert_eq!(build(&model, &[SLACK, SLACK, rotor], &axes([0.0; 3]), CYCLE_NS), Ok(()));
 }
 
@@ -241,12 +207,6 @@ fn a_loop_that_is_unstable_is_reported() {
     });
     let mut machine = machine(&wild);
     let target = AxisMotion::at_rest(axes([0.2, 0.2, 0.3]));
-    let mut last = Ok(*machine.axis_state());
-    for _ in 0..2000 {
-        last = machine.step(&target);
-        if last.is_err() {
-            break;
-        }
-    }
-    assert!(matches!(last, Err(PhysicsError::Diverged(_))), "{last:?}");
+    let failed = (0..2000).find_map(|_| machine.step(&target).err());
+    assert!(matches!(failed, Some(PhysicsError::Diverged(_))), "{failed:?}");
 }

@@ -108,21 +108,15 @@ fn play_shows_at_reversal() {
 #[test]
 fn stribecks_curve_is_followed() {
     let friction = FrictionParameters {
-        coulomb: 10.0,
         breakaway: 16.0,
         stribeck_velocity: 0.02,
-        viscous: 100.0,
+        ..FrictionParameters::new(10.0, 100.0)
     };
     let drive = AxisDriveParameters { friction, ..SLACK };
     let mut machine = machine(&slide(1.0), drive);
-    for _ in 0..200 {
-        machine.step_with_efforts(&axes([15.9])).unwrap();
-    }
-    assert!(machine.axis_state().position[0].abs() < 1e-14);
+    assert!(machine.push([15.9], 200).position[0].abs() < 1e-14);
     for force in [16.3, 20.0] {
-        for _ in 0..2000 {
-            machine.step_with_efforts(&axes([force])).unwrap();
-        }
+        let velocity = machine.push([force], 2000).velocity[0];
         // f(v) = force, by bisection where the curve rises again.
         let curve = |v: f64| 10.0 + 6.0 * (-(v / 0.02) * (v / 0.02)).exp() + 100.0 * v;
         let (mut low, mut high) = (0.03, 1.0);
@@ -130,7 +124,6 @@ fn stribecks_curve_is_followed() {
             let middle = 0.5 * (low + high);
             if curve(middle) < force { low = middle } else { high = middle }
         }
-        let velocity = machine.axis_state().velocity[0];
         assert!((velocity - low).abs() < 1e-9, "{velocity} at {force} N, not {low}");
     }
 }
@@ -176,11 +169,8 @@ fn increments_are_what_the_drive_knows() {
             friction: FrictionParameters::new(1.0, 20.0),
             ..AxisDriveParameters::servo(servo)
         };
-        let mut machine = machine(&slide(3.0), drive);
-        for _ in 0..2000 {
-            machine.step(&at_rest(1.2345e-3)).unwrap();
-        }
-        let error = machine.axis_state().position[0] - 1.2345e-3;
+        let state = machine(&slide(3.0), drive).hold([1.2345e-3], 2000);
+        let error = state.position[0] - 1.2345e-3;
         assert!(error.abs() <= 1.5 * resolution, "{error} at {resolution}");
         assert!(error.abs() > 1e-9, "no encoder is that good: {error}");
     }
@@ -240,8 +230,8 @@ fn switches_are_hit() {
     }
     assert_eq!(machine.switches(0), SwitchStates { upper: true, ..SwitchStates::default() });
     let events = machine.take_events();
-    assert_eq!(events.len(), 1);
-    assert_eq!((events[0].axis, events[0].kind), (0, EventKind::LimitSwitch(Side::Upper)));
+    let found: Vec<_> = events.iter().map(|event| (event.axis, event.kind)).collect();
+    assert_eq!(found, [(0, EventKind::LimitSwitch(Side::Upper))]);
 }
 
 /// A switch that is on from the start, where the axis is and not where the motor is ahead of it, is not hit.
@@ -286,67 +276,6 @@ fn a_loose_belt_is_softer() {
     assert!(!rigid.fail(1, Fault::Jam));
 }
 
-/// Elastic drives with play and friction on both sides of it, on the circle of the reference, against steps of a microsecond.
-#[test]
-fn elastic_drives_follow_as_with_steps_of_a_microsecond() {
-    let model = super::scara::scara();
-    let [start, velocity, _] = super::scara::circle(0.0);
-    let start = axis_vector(&start, 3);
-    let inertia = axis_inertia(&model, &start).unwrap();
-    // Gears of 100:1 and a belt, at the axes.
-    let armature = [0.6, 0.2, 3.0];
-    let stiffness = [2e4, 8e3, 1e6];
-    let backlash = [100e-6, 100e-6, 20e-6];
-    let dry = [4.0, 2.0, 10.0];
-    let drives: Vec<_> = (0..3)
-        .map(|axis| {
-            let moved = inertia[axis] + armature[axis];
-            let servo = ServoParameters {
-                current_bandwidth: TAU * 800.0,
-                delay: 1,
-                ..ServoParameters::tuned(moved, 30.0, f64::INFINITY)
-            };
-            AxisDriveParameters {
-                armature: armature[axis],
-                friction: FrictionParameters {
-                    breakaway: 1.3 * dry[axis],
-                    stribeck_velocity: 0.01,
-                    ..FrictionParameters::new(dry[axis], 0.5 * dry[axis])
-                },
-                motor_friction: FrictionParameters::new(0.5 * dry[axis], 0.2 * dry[axis]),
-                transmission: Some(ElasticTransmission::damped(
-                    stiffness[axis],
-                    0.05,
-                    backlash[axis],
-                    armature[axis],
-                    inertia[axis],
-                )),
-                ..AxisDriveParameters::servo(servo)
-            }
-        })
-        .collect();
-    let run = |longest: Option<f64>| {
-        let mut machine = started(&model, &drives, down(), &start);
-        if let Some(longest) = longest {
-            machine = machine.with_steps_of(longest);
-        }
-        println!("{} steps", machine.steps);
-        machine.start_moving(velocity);
-        let mut tips = Vec::new();
-        for cycle in 1..=2000 {
-            machine.step(&super::scara::motion(f64::from(cycle) * 1e-3)).unwrap();
-            tips.push(super::scara::tip(&machine.joints.axes.position));
-        }
-        tips
-    };
-    let (own, fine) = (run(None), run(Some(1e-6)));
-    let worst = own.iter().zip(&fine).map(|(own, fine)| (own - fine).norm()).fold(0.0, f64::max);
-    println!("{worst:e} m");
-    let set = super::scara::tip(&super::scara::circle(2.0)[0]);
-    assert!((fine[1999] - set).norm() > 1e-6, "no such drive is that good");
-    assert!(worst <= 0.002e-6, "{worst} m");
-}
-
 /// Noise is what its seed makes it: the same twice, another with another seed, as strong as asked for, and none where none is.
 #[test]
 fn noise_is_reproducible() {
@@ -370,11 +299,7 @@ fn noise_is_reproducible() {
     let free = |seed| {
         let drive =
             AxisDriveParameters { noise: NoiseParameters { position: 0.0, effort: 3.0 }, ..SLACK };
-        let mut machine = machine(&slide(2.0), drive).with_seed(seed);
-        for _ in 0..100 {
-            machine.step(&at_rest(0.0)).unwrap();
-        }
-        machine.axis_state().velocity[0]
+        machine(&slide(2.0), drive).with_seed(seed).hold([0.0], 100).velocity[0]
     };
     let variance = (0..400).map(|seed| free(seed).powi(2)).sum::<f64>() / 400.0;
     let expected = 100.0 * (3.0 * 1e-3 / 2.0_f64).powi(2);

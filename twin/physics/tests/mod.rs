@@ -58,6 +58,43 @@ fn started(
     PhysicsMachine::new(model, drives, gravity, start, CYCLE_NS).unwrap()
 }
 
+/// A machine that begins with `first`.
+fn moving(
+    model: &Model,
+    drives: &[AxisDriveParameters],
+    gravity: Vector3<f64>,
+    first: &AxisMotion,
+) -> PhysicsMachine {
+    let mut machine = started(model, drives, gravity, &first.position);
+    machine.start_moving(&first.velocity);
+    machine
+}
+
+/// Drives made of the inertia of each axis at `start`.
+fn drives_of(
+    model: &Model,
+    start: &AxisVector,
+    drive: impl Fn(f64) -> AxisDriveParameters,
+) -> Vec<AxisDriveParameters> {
+    axis_inertia(model, start).unwrap().iter().map(|inertia| drive(*inertia)).collect()
+}
+
+/// A set-point by position, velocity and acceleration.
+fn motion<const N: usize>(values: [[f64; N]; 3]) -> AxisMotion {
+    let [position, velocity, acceleration] = values.map(axes);
+    AxisMotion { position, velocity, acceleration }
+}
+
+/// Position, velocity and acceleration `t` s after a start that takes `rise` s to reach `speed`, as sin².
+fn soft_start(speed: f64, rise: f64, t: f64) -> [f64; 3] {
+    let w = std::f64::consts::PI / rise;
+    if t >= rise {
+        return [speed * (t - 0.5 * rise), speed, 0.0];
+    }
+    let (sin, cos) = (w * t).sin_cos();
+    [0.5 * speed * (t - sin / w), 0.5 * speed * (1.0 - cos), 0.5 * speed * w * sin]
+}
+
 /// The efforts (N or Nm) that hold `model` at `position`.
 fn holding_effort(model: &Model, position: &AxisVector) -> AxisVector {
     let rotors = vec![0.0; position.len()];
@@ -165,9 +202,28 @@ impl PhysicsMachine {
     }
 
     /// Makes the machine move, as if it had been moving before.
-    fn start_moving(&mut self, velocity: JointVector) {
-        self.joints.axes.velocity = velocity;
-        self.joints.motors.velocity = velocity;
-        self.setpoint.velocity = axis_vector(&velocity, self.drives.len());
+    fn start_moving(&mut self, velocity: &AxisVector) {
+        let joints = joint_vector(velocity.iter().copied());
+        self.joints.axes.velocity = joints;
+        self.joints.motors.velocity = joints;
+        self.setpoint.velocity = *velocity;
+    }
+
+    /// `cycles` with the axes sent to `position`.
+    fn hold<const N: usize>(&mut self, position: [f64; N], cycles: u32) -> AxisState {
+        let rest = AxisMotion::at_rest(axes(position));
+        for _ in 0..cycles {
+            self.step(&rest).unwrap();
+        }
+        *self.axis_state()
+    }
+
+    /// `cycles` with `effort`.
+    fn push<const N: usize>(&mut self, effort: [f64; N], cycles: u32) -> AxisState {
+        let effort = axes(effort);
+        for _ in 0..cycles {
+            self.step_with_efforts(&effort).unwrap();
+        }
+        *self.axis_state()
     }
 }

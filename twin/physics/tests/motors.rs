@@ -114,22 +114,10 @@ pub(super) fn stepper(pull_out: &[[f64; 2]]) -> AxisDriveParameters {
 
 /// Moves at `speed` after a soft start of 0.2 s; returns all steps lost.
 fn lost_at(machine: &mut PhysicsMachine, speed: f64, cycles: u32) -> i64 {
-    let rise = 0.2;
-    let w = PI / rise;
     let mut lost = 0;
     for cycle in 1..=cycles {
-        let t = f64::from(cycle) * 1e-3;
-        let (position, velocity) = if t < rise {
-            (0.5 * speed * (t - (w * t).sin() / w), 0.5 * speed * (1.0 - (w * t).cos()))
-        } else {
-            (speed * (t - 0.5 * rise), speed)
-        };
-        let motion = AxisMotion {
-            position: axes([position]),
-            velocity: axes([velocity]),
-            acceleration: axes([0.0]),
-        };
-        machine.step(&motion).unwrap();
+        let [position, velocity, _] = soft_start(speed, 0.2, f64::from(cycle) * 1e-3);
+        machine.step(&motion([[position], [velocity], [0.0]])).unwrap();
         lost += lost_in(machine);
     }
     lost
@@ -151,10 +139,7 @@ fn a_step_motor_holds_by_its_load_angle() {
     let weight = 3.0 * G;
     for holding in [35.0, 60.0, 300.0] {
         let mut machine = machine(&lift(3.0), stepper(&[[0.0, holding]]));
-        for _ in 0..300 {
-            machine.step(&at_rest(0.0)).unwrap();
-        }
-        let state = *machine.axis_state();
+        let state = machine.hold([0.0], 300);
         assert!(state.position[0].abs() < 1e-12, "{state:?}");
         let angle = (weight / holding).asin() / FRAC_PI_2;
         assert!((machine.load_angle(0).unwrap() - angle).abs() < 1e-9);
@@ -179,12 +164,9 @@ fn a_motor_has_less_to_give_at_speed() {
     for cycle in 1..=1000 {
         // 50 mm and back.
         let phase = TAU * f64::from(cycle) * 1e-3;
-        let motion = AxisMotion {
-            position: axes([0.025 * (1.0 - phase.cos())]),
-            velocity: axes([0.025 * TAU * phase.sin()]),
-            acceleration: axes([0.025 * TAU * TAU * phase.cos()]),
-        };
-        machine.step(&motion).unwrap();
+        let (sin, cos) = phase.sin_cos();
+        let values = [1.0 - cos, TAU * sin, TAU * TAU * cos].map(|value| [0.025 * value]);
+        machine.step(&motion(values)).unwrap();
         let state = machine.motor_state(0);
         energy += state.power * 1e-3;
         braked |= state.power < 0.0;
@@ -215,10 +197,7 @@ fn a_step_motor_goes_in_microsteps() {
     let mut machine = machine(&slide(3.0), stepper(&[[0.0, 200.0]]));
     let microstep = 25e-6 / 16.0;
     for (wanted, steps) in [(0.4, 0.0), (0.6, 1.0), (7.3, 7.0), (-3.6, -4.0)] {
-        for _ in 0..1500 {
-            machine.step(&at_rest(wanted * microstep)).unwrap();
-        }
-        let position = machine.axis_state().position[0];
+        let position = machine.hold([wanted * microstep], 1500).position[0];
         assert!((position - steps * microstep).abs() < 1e-9, "{position} at {wanted}");
     }
 }
@@ -257,8 +236,7 @@ fn a_step_motor_accelerates_what_it_can_pull() {
                 let (v, x) = (jerk * 0.005, jerk * 1e-3 / 6.0);
                 (acceleration, v + acceleration * s, x + v * s + acceleration * s * s / 2.0)
             };
-            let (position, velocity) = (axes([x]), axes([v]));
-            machine.step(&AxisMotion { position, velocity, acceleration: axes([a]) }).unwrap();
+            machine.step(&motion([[x], [v], [a]])).unwrap();
             lost += lost_in(&mut machine);
         }
         lost
@@ -282,10 +260,8 @@ fn a_jammed_axis_loses_every_step() {
     assert!(machine.axis_state().position[0].abs() < 1e-12, "{:?}", machine.axis_state());
     // Free again, the rotor is where a field is that has lost 400 full steps.
     machine.free(0);
-    for _ in 0..1000 {
-        machine.step(&at_rest(0.01)).unwrap();
-    }
-    assert!(machine.axis_state().position[0].abs() < 1e-9, "{:?}", machine.axis_state());
+    let state = machine.hold([0.01], 1000);
+    assert!(state.position[0].abs() < 1e-9, "{state:?}");
     assert_eq!(lost_in(&mut machine), 0);
 }
 

@@ -12,8 +12,6 @@ use twin_urdf::{GantryDimensions, HBelt, JointPositions, MachineJoint, TripodDim
 use super::along_path::FREE;
 use super::*;
 
-pub(super) const NAMES: [&str; 3] = ["A", "B", "C"];
-
 /// Half the distance of two rods.
 const HALF: f64 = 0.03;
 
@@ -30,7 +28,7 @@ pub(super) fn rings() -> Rings {
 
 pub(super) fn generated(deviations: &TripodDeviations) -> Model {
     let rods = rings().rods(deviations).unwrap();
-    let joints = [0, 1, 2].map(|axis| MachineJoint::new(NAMES[axis], axis, [0.25, 0.45]));
+    let joints = [0, 1, 2].map(|axis| MachineJoint::new(["A", "B", "C"][axis], axis, [0.25, 0.45]));
     let dimensions = TripodDimensions {
         carriage_mass: Some(1.5),
         rod_mass: Some(0.1),
@@ -81,11 +79,6 @@ pub(super) fn circle(t: f64) -> AxisMotion {
     Kinematics::inverse_motion(&tripod, &tool, &axes([0.0; 3])).unwrap()
 }
 
-/// The rows of the peer's file, if it is there.
-pub(super) fn reference<const N: usize>(columns: [&str; N]) -> Option<Vec<[f64; N]>> {
-    rows_of("tripod_circle.csv", columns)
-}
-
 /// The rows of a file of `reference/`, if it is there (`TWIN_SHARED` or next to the workspace).
 pub(super) fn rows_of<const N: usize>(name: &str, columns: [&str; N]) -> Option<Vec<[f64; N]>> {
     let neighbour = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
@@ -112,7 +105,8 @@ fn in_time(dynamics: &mut PathDynamics, motion: &AxisMotion) -> JointVector {
 
 #[test]
 fn all_forces_on_the_circle_are_those_of_the_peer() {
-    let Some(rows) = reference(["t_s", "f_ff1", "f_ff2", "f_ff3"]) else { return };
+    let columns = ["t_s", "f_ff1", "f_ff2", "f_ff3"];
+    let Some(rows) = rows_of("tripod_circle.csv", columns) else { return };
     let mut dynamics = PathDynamics::new(&thin(), &[FREE; 3], down()).unwrap();
     let mut worst = [0.0_f64; 2];
     for [t, forces @ ..] in &rows {
@@ -281,26 +275,24 @@ fn what_is_no_tripod_is_said() {
     let model = thin();
     assert_eq!(found(&model), Ok(()));
     let unknown = Err(PhysicsError::UnknownMechanism(5));
-    let mut level = model.clone();
-    level.joints[0].axis = Vector3::x_axis();
-    assert_eq!(found(&level), unknown);
-    let mut heavy = model.clone();
-    let cross = heavy.links.iter().position(|link| link.name == "rod2_swing").unwrap();
-    heavy.links[cross].inertial = Some(uniform_box(0.1, [0.0; 3], [0.01; 3]));
-    assert_eq!(found(&heavy), unknown);
-    let mut apart = model.clone();
-    apart.loops[2].links[1] = 1;
-    assert_eq!(found(&apart), unknown);
-    let mut fewer = model.clone();
-    fewer.loops.pop();
-    assert_eq!(found(&fewer), Err(PhysicsError::UnknownMechanism(4)));
-    let rod = model.links.iter().position(|link| link.name == "rod3").unwrap();
-    let mut bent = model.clone();
-    bent.links[rod].inertial.as_mut().unwrap().center.x = 1e-3;
-    assert_eq!(found(&bent), Err(PhysicsError::UnevenRod(rod)));
-    let mut flat = model;
-    flat.links[rod].inertial.as_mut().unwrap().inertia.m11 *= 1.01;
-    assert_eq!(found(&flat), Err(PhysicsError::UnevenRod(rod)));
+    let changed = |change: &dyn Fn(&mut Model)| {
+        let mut model = model.clone();
+        change(&mut model);
+        found(&model)
+    };
+    let link = |name| model.links.iter().position(|link| link.name == name).unwrap();
+    let (cross, rod) = (link("rod2_swing"), link("rod3"));
+    let of_rod = |change: &dyn Fn(&mut Inertial)| {
+        changed(&|model| change(model.links[rod].inertial.as_mut().unwrap()))
+    };
+    let heavy = Some(uniform_box(0.1, [0.0; 3], [0.01; 3]));
+    assert_eq!(changed(&|model| model.joints[0].axis = Vector3::x_axis()), unknown);
+    assert_eq!(changed(&|model| model.links[cross].inertial = heavy), unknown);
+    assert_eq!(changed(&|model| model.loops[2].links[1] = 1), unknown);
+    let fewer = changed(&|model| model.loops.truncate(4));
+    assert_eq!(fewer, Err(PhysicsError::UnknownMechanism(4)));
+    assert_eq!(of_rod(&|rod| rod.center.x = 1e-3), Err(PhysicsError::UnevenRod(rod)));
+    assert_eq!(of_rod(&|rod| rod.inertia.m11 *= 1.01), Err(PhysicsError::UnevenRod(rod)));
 }
 
 /// With a rod longer by a nanometre the platform is found in another way, and the forces are nearly the same.

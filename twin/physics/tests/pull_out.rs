@@ -5,7 +5,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::elastic::slide;
+use super::elastic::{machine, slide};
 use super::motors::{FULL_STEP, lost_in, stepper};
 use super::*;
 
@@ -79,7 +79,7 @@ fn past_the_pull_out_torque_the_closed_form_number_of_steps_is_lost() {
             friction: FrictionParameters::new(coulomb, viscous),
             ..stepper(curve)
         };
-        let mut machine = started(&slide(mass), &[drive], down(), &axes([0.0]));
+        let mut machine = machine(&slide(mass), drive);
         let (mut position, mut velocity) = (0.0, 0.0);
         let (mut time, mut held, mut rest) = (0.0, 0.0, 0.0);
         // Where the field is when it should pull the rotor out, where it is when it does, and what the rotor does.
@@ -100,9 +100,8 @@ fn past_the_pull_out_torque_the_closed_form_number_of_steps_is_lost() {
             time += CYCLE;
             position += CYCLE * (velocity + 0.5 * CYCLE * a);
             velocity += CYCLE * a;
-            let [x, v, a] = [position, velocity, a].map(|value| axes([value]));
             let before = machine.axis_state().position[0];
-            machine.step(&AxisMotion { position: x, velocity: v, acceleration: a }).unwrap();
+            machine.step(&motion([[position], [velocity], [a]])).unwrap();
             lost += lost_in(&mut machine);
             if velocity >= speed {
                 predicted_out.get_or_insert(position);
@@ -126,28 +125,20 @@ fn past_the_pull_out_torque_the_closed_form_number_of_steps_is_lost() {
         let ([from, moving], at_rest) = (anchor.unwrap(), at_rest.unwrap());
         let [_, way] = pulled.coasting(moving);
         let coasted = at_rest - from;
-        println!("{case}: out at {out} m/s ({speed}), coasted {coasted} m ({way}), lost {lost}");
-        assert!(
-            (coasted / way - 1.0).abs() < 0.03,
-            "{case}: coasted {coasted} m, not {way} m from {moving} m/s"
-        );
+        let apart = (coasted / way - 1.0).abs();
+        assert!(apart < 0.03, "{case}: coasted {coasted} m, not {way} m from {moving} m/s");
 
         let rotor = predicted_out + coast;
         let predicted = (position - rotor) / FULL_STEP;
         #[expect(clippy::cast_precision_loss, reason = "thousands")]
         let found = lost as f64;
         assert!(predicted > 5e3, "{case}: {predicted}");
-        assert!(
-            (found - predicted).abs() <= f64::max(4.0, 0.01 * predicted),
-            "{case}: {lost} full steps lost, not {predicted}"
-        );
+        let apart = (found - predicted).abs();
+        assert!(apart <= f64::max(4.0, 0.01 * predicted), "{case}: {lost} lost, not {predicted}");
         assert_eq!(lost % 4, 0, "{case}: {lost} are not whole turns of the field");
         // It is behind by those, up to the angle at which friction can hold it.
         let behind = (position - machine.axis_state().position[0]) / FULL_STEP - found;
-        assert!(
-            behind.abs() <= 1.0,
-            "{case}: {behind} full steps away from where the field holds it"
-        );
+        assert!(behind.abs() <= 1.0, "{case}: {behind} full steps away from its place");
     }
 }
 
@@ -156,40 +147,27 @@ fn past_the_pull_out_torque_the_closed_form_number_of_steps_is_lost() {
 #[test]
 fn steps_are_lost_at_a_load_angle_of_two_full_steps() {
     for way in [1.0, -1.0] {
-        for (sixteenths, turns) in [
-            (0_i32, 0_i32),
-            (16, 0),
-            (31, 0),
-            (33, 1),
-            (64, 1),
-            (95, 1),
-            (97, 2),
-            (159, 2),
-            (161, 3),
-        ] {
+        let cases =
+            [(0, 0), (16, 0), (31, 0), (33, 1), (64, 1), (95, 1), (97, 2), (159, 2), (161, 3)];
+        for (sixteenths, turns) in cases {
             let ahead = way * f64::from(sixteenths) / 16.0;
             let drive = AxisDriveParameters {
                 friction: FrictionParameters::new(0.0, 30.0),
                 ..stepper(&[[0.0, 200.0]])
             };
-            let mut machine = started(&slide(1.0), &[drive], down(), &axes([0.0]));
+            let mut machine = machine(&slide(1.0), drive);
             assert!(machine.fail(0, Fault::Jam));
-            let target = AxisMotion::at_rest(axes([ahead * FULL_STEP]));
             // A sixteenth of a step per cycle.
             for cycle in 1..=sixteenths {
-                let part = way * f64::from(cycle) / 16.0 * FULL_STEP;
-                machine.step(&AxisMotion::at_rest(axes([part]))).unwrap();
+                machine.hold([way * f64::from(cycle) / 16.0 * FULL_STEP], 1);
             }
-            machine.step(&target).unwrap();
+            machine.hold([ahead * FULL_STEP], 1);
             assert!((machine.load_angle(0).unwrap() - ahead).abs() < 1e-9);
             #[expect(clippy::cast_possible_truncation, reason = "1 or −1")]
             let expected = i64::from(4 * turns) * way as i64;
             assert_eq!(lost_in(&mut machine), expected, "{ahead} full steps ahead");
             machine.free(0);
-            for _ in 0..1500 {
-                machine.step(&target).unwrap();
-            }
-            let state = machine.axis_state();
+            let state = machine.hold([ahead * FULL_STEP], 1500);
             let wanted = (ahead - way * 4.0 * f64::from(turns)) * FULL_STEP;
             assert!((state.position[0] - wanted).abs() < 1e-9, "{ahead}: {state:?}");
             assert_eq!(lost_in(&mut machine), 0, "{ahead}: no more while it swings");
@@ -203,16 +181,14 @@ fn steps_are_lost_at_a_load_angle_of_two_full_steps() {
 fn a_weight_above_the_holding_torque_falls() {
     let weight = 3.0 * G;
     for part in [0.5, 0.9, 0.99, 0.999, 1.001, 1.01, 1.2] {
-        let mut machine =
-            started(&lift(3.0), &[stepper(&[[0.0, weight / part]])], down(), &axes([0.0]));
+        let mut machine = machine(&lift(3.0), stepper(&[[0.0, weight / part]]));
         let (mut lost, mut fallen, mut time) = (0, [None; 2], 0.0);
         for _ in 0..1500 {
-            machine.step(&AxisMotion::at_rest(axes([0.0]))).unwrap();
+            let state = machine.hold([0.0], 1);
             lost += lost_in(&mut machine);
             time += CYCLE;
             for (fallen, depth) in fallen.iter_mut().zip([0.1, 0.9]) {
-                if fallen.is_none() && machine.axis_state().position[0] < -depth {
-                    let state = machine.axis_state();
+                if fallen.is_none() && state.position[0] < -depth {
                     *fallen = Some([time, state.position[0], state.velocity[0]]);
                 }
             }
@@ -250,14 +226,11 @@ fn a_field_that_is_too_fast_for_the_rotor_leaves_it_at_rest() {
                     friction: FrictionParameters::new(coulomb, 0.0),
                     ..stepper(&[[0.0, 100.0]])
                 };
-                let start = axes([0.0]);
-                let mut machine = started(&slide(10.0), &[drive], down(), &start);
+                let mut machine = machine(&slide(10.0), drive);
                 let mut lost = 0;
                 for cycle in 1..=1000 {
-                    let position = axes([f64::from(cycle) * CYCLE * speed]);
-                    let velocity = axes([speed]);
-                    let motion = AxisMotion { position, velocity, acceleration: axes([0.0]) };
-                    machine.step(&motion).unwrap();
+                    let position = f64::from(cycle) * CYCLE * speed;
+                    machine.step(&motion([[position], [speed], [0.0]])).unwrap();
                     lost += lost_in(&mut machine);
                 }
                 let state = machine.axis_state();

@@ -1,7 +1,8 @@
 //! Tests of our equation of motion against rapier's bodies: two formulations of the same machine.
 
-use twin_urdf::{MachineJoint, ScaraDimensions, Solid, SolidShape};
+use twin_urdf::{MachineJoint, ScaraDimensions, SolidShape};
 
+use super::contact::solid;
 use super::*;
 
 /// Largest distance between the links of two sets of poses, m.
@@ -20,14 +21,9 @@ fn the_bodies_are_where_the_model_says() {
         let mut machine = started(&model, &[SLACK; 3], down(), &start);
         let links = Unfolded::new(&model, 3, down(), JointVector::zeros());
         assert!(distance(&machine.link_poses(), &model.link_poses(&start)) < 1e-14);
-        for _ in 0..300 {
-            machine.step_with_efforts(&axes([5.0, 3.0, -0.2])).unwrap();
-        }
-        let state = *machine.axis_state();
-        assert!(
-            state.position.iter().zip(start.iter()).all(|(now, start)| (now - start).abs() > 1e-3),
-            "{state:?}"
-        );
+        let state = machine.push([5.0, 3.0, -0.2], 300);
+        let mut ways = state.position.iter().zip(start.iter()).map(|(now, start)| now - start);
+        assert!(ways.all(|way| way.abs() > 1e-3), "{state:?}");
         let poses = machine.link_poses();
         assert!(distance(&poses, &model.link_poses(&state.position)) < 1e-13);
         assert!(distance(&poses, &links.link_poses(&machine.joints.axes.position)) < 1e-13);
@@ -53,12 +49,10 @@ fn a_generated_scara_runs() {
     assert!((holding[0] - inertia[0] * G).abs() < 1e-9, "the quill carries itself: {holding:?}");
     assert!(holding[1].abs() < 1e-12 && holding[2].abs() < 1e-12, "{holding:?}");
 
-    let drives: Vec<_> = inertia.iter().map(|inertia| tuned(*inertia, 50.0, 200.0)).collect();
+    let drives = drives_of(&model, &start, |inertia| tuned(inertia, 50.0, 200.0));
     let mut machine = started(&model, &drives, down(), &start);
     let target = axes([0.021, 0.39, 1.02]);
-    for _ in 0..1000 {
-        machine.step(&AxisMotion::at_rest(target)).unwrap();
-    }
+    machine.hold([0.021, 0.39, 1.02], 1000);
     let tip = machine.link_poses()[model.tip.link] * model.tip.point;
     assert!((tip - model.tip_position(&target)).norm() < 1e-9, "{tip}");
     assert!((tip - model.tip_position(&start)).norm() > 1e-3, "{tip}");
@@ -92,9 +86,7 @@ fn rapier_alone_converges_to_the_same_motion() {
     let effort = joints([6.0, 25.0, -0.2]);
     let drives = [0.1, 0.5, 0.02].map(|armature| AxisDriveParameters { armature, ..SLACK });
     let mut machine = started(&model, &drives, down(), &start);
-    for _ in 0..200 {
-        machine.step_with_efforts(&axis_vector(&effort, 3)).unwrap();
-    }
+    machine.push([6.0, 25.0, -0.2], 200);
     let errors = [1, 4, 16, 64].map(|iterations| {
         let start = joint_vector(start.iter().copied());
         let mut world = RapierAlone::new(&model, (&armature, &start), (1e-3, iterations));
@@ -116,11 +108,8 @@ fn rapier_alone_converges_to_the_same_motion() {
 #[test]
 fn a_slide_falls_to_the_ground_and_no_further() {
     let mut model = lift(3.0);
-    model.links[1].solids.push(Solid {
-        shape: SolidShape::Box { size: Vector3::new(0.1, 0.1, 0.1) },
-        origin: Isometry3::translation(0.02, -0.01, 0.05),
-        color: [1.0; 4],
-    });
+    let cube = SolidShape::Box { size: Vector3::repeat(0.1) };
+    model.links[1].solids.push(solid(cube, [0.02, -0.01, 0.05]));
     let mut machine = started(&model, &[SLACK], down(), &axes([0.1]));
     machine.insert_surroundings(&Surroundings::floor(0.0)).unwrap();
     let mut stood = 0;
@@ -137,16 +126,10 @@ fn a_slide_falls_to_the_ground_and_no_further() {
     let state = *machine.axis_state();
     assert!(stood > 800 && state.position[0].abs() < 1e-4, "{stood} cycles, {state:?}");
     // 2 m/s² upwards.
-    let lifting = axes([3.0 * (G + 2.0)]);
-    for _ in 0..100 {
-        machine.step_with_efforts(&lifting).unwrap();
-    }
-    let off = *machine.axis_state();
+    let lifting = [3.0 * (G + 2.0)];
+    let off = machine.push(lifting, 100);
     assert!(off.position[0] > 5e-3, "{off:?}");
-    for _ in 0..200 {
-        machine.step_with_efforts(&lifting).unwrap();
-    }
-    let state = *machine.axis_state();
+    let state = machine.push(lifting, 200);
     let expected = off.position[0] + off.velocity[0] * 0.2 + 0.5 * 2.0 * 0.2 * 0.2;
     assert!((state.position[0] - expected).abs() < 1e-12, "{state:?}, not {expected} m");
 }
@@ -156,21 +139,14 @@ fn a_slide_falls_to_the_ground_and_no_further() {
 fn solids_that_touch_nothing_change_nothing() {
     let mut model = crooked();
     for link in &mut model.links {
-        link.solids.push(Solid {
-            shape: SolidShape::Sphere { radius: 0.02 },
-            origin: Isometry3::identity(),
-            color: [1.0; 4],
-        });
+        link.solids.push(solid(SolidShape::Sphere { radius: 0.02 }, [0.0; 3]));
     }
     let [with, without] = [true, false].map(|solids| {
         let mut machine = started(&model, &[SLACK; 3], down(), &axes([0.7, -0.1, 2.0]));
         if solids {
             machine.insert_surroundings(&Surroundings::floor(-20.0)).unwrap();
         }
-        for _ in 0..300 {
-            machine.step_with_efforts(&axes([5.0, 3.0, -0.2])).unwrap();
-        }
-        *machine.axis_state()
+        machine.push([5.0, 3.0, -0.2], 300)
     });
     assert_eq!(with, without);
     assert!((with.position[0] - 0.7).abs() > 0.01, "{with:?}");
@@ -187,25 +163,13 @@ fn two_runs_give_the_same_bits() {
         let mut machine = started(&crooked(), &drives, down(), &axes([0.0; 3]));
         for cycle in 0..500 {
             let t = f64::from(cycle) * 1e-3;
-            let position = axes([0.3 * t, 0.1 * t * t, -0.2 * t]);
-            machine
-                .step(&AxisMotion {
-                    position,
-                    velocity: axes([0.3, 0.2 * t, -0.2]),
-                    acceleration: axes([0.0, 0.2, 0.0]),
-                })
-                .unwrap();
+            let position = [0.3 * t, 0.1 * t * t, -0.2 * t];
+            let set = motion([position, [0.3, 0.2 * t, -0.2], [0.0, 0.2, 0.0]]);
+            machine.step(&set).unwrap();
         }
         let state = *machine.axis_state();
         assert!((state.position[0] - 0.15).abs() < 0.02, "{state:?}");
-        let bits =
-            |values: &AxisVector| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        (
-            bits(&state.position),
-            bits(&state.velocity),
-            bits(&state.effort),
-            format!("{:?}", machine.link_poses()),
-        )
+        super::copies::bits(&mut machine)
     };
     assert_eq!(run(), run());
 }

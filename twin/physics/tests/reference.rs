@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use twin_kinematics::tripod::TripodDeviations;
 
 use super::parallel::{circle, generated, rows_of};
-use super::scara::{FREE, scara, tip};
+use super::scara::{free_motion, scara, tip};
 use super::*;
 
 /// What the issue allows at the tip, m.
@@ -16,10 +16,9 @@ const NANOMETRE: f64 = 1e-9;
 
 /// The SCARA of the files as one row has it.
 fn machine(gravity: Vector3<f64>, position: JointVector, velocity: JointVector) -> PhysicsMachine {
-    let position = axis_vector(&position, 3);
-    let mut machine = started(&scara(), &[SLACK; 3], gravity, &position);
-    machine.start_moving(velocity);
-    machine
+    let [position, velocity] = [position, velocity].map(|values| axis_vector(&values, 3));
+    let first = AxisMotion { velocity, ..AxisMotion::at_rest(position) };
+    moving(&scara(), &[SLACK; 3], gravity, &first)
 }
 
 /// How far the tip is from where the peer has it, by the axes and by rapier's bodies, m.
@@ -56,7 +55,6 @@ fn the_tip_is_where_the_peers_is() {
             let effort = if controlled { ahead + correction } else { replayed };
             machine.step_with_efforts(&axis_vector(&effort, 3)).unwrap();
         }
-        println!("{} rows, at most {worst:e} m from the peer", rows.len());
         assert!(rows.len() > 5000 && worst <= NANOMETRE, "controlled {controlled}: {worst} m");
     }
 }
@@ -108,27 +106,24 @@ fn free_motion_keeps_energy_and_angular_momentum() {
         + 2.0 * 0.09;
     assert!((start[1] - expected).abs() < 1e-12, "{start:?}, not {expected}");
     let rows = rows_of("scara_free.csv", ["q1", "q2", "q3"]);
+    let mut facts = free_motion().into_iter().peekable();
     let (mut worst, mut changed) = (0.0_f64, [0.0_f64; 2]);
-    for cycle in 0..=5000_usize {
+    for cycle in 0..=5000_u16 {
         let JointState { position, velocity } = machine.joints.axes;
-        if let Some((_, q, v)) = FREE.iter().find(|(at, ..)| *at == cycle) {
-            let error =
-                [position - joints([q[0], q[1], 0.0]), velocity - joints([v[0], v[1], 0.0])];
+        if let Some([_, a, b, c, d]) = facts.next_if(|[at, ..]| *at <= f64::from(cycle)) {
+            let error = [position - joints([a, b, 0.0]), velocity - joints([c, d, 0.0])];
             let [q, v] = error.map(|error| error.amax());
             assert!(q < 1e-9 && v < 1e-8, "cycle {cycle}: {q} rad, {v} rad/s off");
         }
         if let Some(rows) = &rows {
-            worst = worst.max(off(&machine, &joints(rows[cycle])));
+            worst = worst.max(off(&machine, &joints(rows[usize::from(cycle)])));
         }
-        for ((changed, now), start) in
-            changed.iter_mut().zip(constants(&machine.joints.axes)).zip(start)
-        {
-            *changed = changed.max((now / start - 1.0).abs());
-        }
+        let now = constants(&machine.joints.axes);
+        changed = [0, 1].map(|i| changed[i].max((now[i] / start[i] - 1.0).abs()));
         machine.step_with_efforts(&axes([0.0; 3])).unwrap();
     }
+    assert_eq!(facts.next(), None);
     let turned = machine.joints.axes.position[0];
-    println!("changed by {changed:?}, at most {worst:e} m from the peer");
     assert!(turned > TAU, "{turned} rad");
     assert!(changed[0] <= 1e-10 && changed[1] <= 1e-9, "{changed:?}");
     assert!(worst <= NANOMETRE, "{worst} m");
@@ -141,12 +136,10 @@ fn the_loops_of_a_tripod_stay_closed_in_rapiers_bodies() {
     longer.rod_lengths[1] = 0.4e-3;
     for deviations in [TripodDeviations::default(), longer] {
         let model = generated(&deviations);
-        let start = circle(0.0).position;
-        let inertia = axis_inertia(&model, &start).unwrap();
-        let drives: Vec<_> =
-            inertia.iter().map(|inertia| tuned(*inertia, 50.0, f64::INFINITY)).collect();
-        let mut machine = started(&model, &drives, down(), &start);
-        machine.start_moving(checked(&circle(0.0).velocity, 3, 0).unwrap());
+        let start = circle(0.0);
+        let drives =
+            drives_of(&model, &start.position, |inertia| tuned(inertia, 50.0, f64::INFINITY));
+        let mut machine = moving(&model, &drives, down(), &start);
         let first = machine.link_poses()[model.tip.link];
         let (mut open, mut way, mut tilt) = (0.0_f64, 0.0_f64, 0.0_f64);
         for cycle in 1..=2000 {
@@ -160,12 +153,9 @@ fn the_loops_of_a_tripod_stay_closed_in_rapiers_bodies() {
             way = way.max((platform.translation.vector - first.translation.vector).norm());
             tilt = tilt.max(platform.rotation.angle());
         }
-        println!("open by {open:e} m, over {way} m, tilted by {tilt} rad");
         assert_eq!(model.loops.len(), 5);
         assert!(open <= 1e-12, "{open} m");
-        assert!(
-            way > 0.1 && (tilt > 1e-4) == (deviations != TripodDeviations::default()),
-            "{tilt}"
-        );
+        let tilts = deviations != TripodDeviations::default();
+        assert!(way > 0.1 && (tilt > 1e-4) == tilts, "{way} m, {tilt} rad");
     }
 }

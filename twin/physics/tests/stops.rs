@@ -83,12 +83,8 @@ fn shorter_steps_are_better_by_their_fourth_power() {
         let w = 40.0;
         let positions = (1..=500).map(|cycle| {
             let (sin, cos) = (w * f64::from(cycle) * 1e-3).sin_cos();
-            let set = AxisMotion {
-                position: axes([1e-3 * (1.0 - cos)]),
-                velocity: axes([1e-3 * w * sin]),
-                acceleration: axes([1e-3 * w * w * cos]),
-            };
-            machine.step(&set).unwrap().position[0]
+            let set = [1.0 - cos, w * sin, w * w * cos].map(|value| [1e-3 * value]);
+            machine.step(&motion(set)).unwrap().position[0]
         });
         positions.collect::<Vec<_>>()
     };
@@ -97,7 +93,6 @@ fn shorter_steps_are_better_by_their_fourth_power() {
         let pairs = run(longest).into_iter().zip(&exact);
         pairs.map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
     });
-    println!("{errors:?} m");
     assert!(errors[0] < 5e-9 && errors[0] > 1e-13, "{errors:?}");
     // 16 each, up to terms of higher order.
     for pair in errors.windows(2) {
@@ -156,7 +151,6 @@ fn teeth_part_and_meet_where_they_do() {
         let found = machine.step_with_efforts(&axes([force])).unwrap();
         worst = worst.max((found.position[0] - state[2]).abs());
     }
-    println!("{worst:e} m, let go {let_go} times");
     assert!(let_go >= 3, "{let_go}");
     assert!(worst < 1e-10, "{worst} m");
 }
@@ -170,15 +164,12 @@ fn a_held_axis_takes_no_energy() {
         let mut machine = started(&model, &[SLACK; 3], down(), &start);
         let mut moving = [1.0, -0.4, 3.0];
         moving[jammed] = 0.0;
-        machine.start_moving(joints(moving));
+        machine.start_moving(&axes(moving));
         assert!(machine.fail(jammed, Fault::Jam));
         let before = machine.energy(&model);
-        for _ in 0..500 {
-            machine.step_with_efforts(&axes([0.0; 3])).unwrap();
-        }
+        let state = machine.push([0.0; 3], 500);
         let after = machine.energy(&model);
         assert!((after - before).abs() < 1e-8 * before.abs(), "{jammed}: {before} J, {after} J");
-        let state = machine.axis_state();
         for axis in 0..3 {
             let still = state.position[axis].to_bits() == start[axis].to_bits();
             assert_eq!(still, axis == jammed, "{jammed}: {state:?}");

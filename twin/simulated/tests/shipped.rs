@@ -13,7 +13,7 @@ use twin_urdf::{Joint, JointKind, JointPositions, Loaded, Model, Solid, SolidSha
 pub(super) const SAME: f64 = 1e-10;
 
 /// All of `machines/`, by name.
-fn machines() -> Vec<Machine> {
+pub(super) fn machines() -> Vec<Machine> {
     let files = std::fs::read_dir(workspace().join("machines")).unwrap();
     let mut paths: Vec<_> = files.map(|file| file.unwrap().path()).collect();
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
@@ -45,7 +45,6 @@ fn swing(machine: &Machine, time: f64) -> AxisMotion {
 
 /// Where `joint` puts its child in its parent: written out, in no way as [`Model`] does it.
 fn matrix(joint: &Joint, position: f64) -> Matrix4<f64> {
-    let mut origin = Matrix4::identity();
     let [i, j, k, w] = joint.origin.rotation.coords.into();
     let rotation = Matrix3::new(
         1.0 - 2.0 * (j * j + k * k),
@@ -58,30 +57,25 @@ fn matrix(joint: &Joint, position: f64) -> Matrix4<f64> {
         2.0 * (j * k + i * w),
         1.0 - 2.0 * (i * i + j * j),
     );
-    origin.fixed_view_mut::<3, 3>(0, 0).copy_from(&rotation);
-    origin.fixed_view_mut::<3, 1>(0, 3).copy_from(&joint.origin.translation.vector);
+    let placed = |turn: &Matrix3<f64>, way: &Vector3<f64>| {
+        let mut matrix = turn.to_homogeneous();
+        matrix.fixed_view_mut::<3, 1>(0, 3).copy_from(way);
+        matrix
+    };
+    let origin = placed(&rotation, &joint.origin.translation.vector);
     let axis = joint.axis.into_inner();
-    let mut motion = Matrix4::identity();
-    match joint.kind {
+    let motion = match joint.kind {
         JointKind::Revolute => {
             // Rodrigues.
             let cross = axis.cross_matrix();
             let (sin, cos) = position.sin_cos();
             let turn = Matrix3::identity() + cross * sin + cross * cross * (1.0 - cos);
-            motion.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);
+            turn.to_homogeneous()
         }
-        JointKind::Prismatic => {
-            motion.fixed_view_mut::<3, 1>(0, 3).copy_from(&(axis * position));
-        }
-        JointKind::Fixed => {}
-    }
+        JointKind::Prismatic => placed(&Matrix3::identity(), &(axis * position)),
+        JointKind::Fixed => Matrix4::identity(),
+    };
     origin * motion
-}
-
-/// The machine as whoever reads its URDF has it.
-struct Read {
-    model: Model,
-    joints: JointPositions,
 }
 
 /// The URDF of a machine, read again.
@@ -92,44 +86,39 @@ fn read_again(machine: &Machine) -> Loaded {
     read.unwrap_or_else(|error| panic!("{}: {error}", machine.name))
 }
 
-impl Read {
-    fn of(machine: &Machine) -> Self {
-        let model = read_again(machine).model;
-        let joints = JointPositions::at_rest(&model);
-        Self { model, joints }
-    }
-
-    /// The tip with the axes at `axes`: one matrix after the other.
-    fn tip(&mut self, axes: &AxisVector) -> Point3<f64> {
-        self.joints.follow(&self.model, axes).unwrap();
-        let mut matrices = vec![Matrix4::identity()];
-        for (joint, position) in self.model.joints.iter().zip(self.joints.values()) {
-            matrices.push(matrices[joint.parent] * matrix(joint, *position));
-        }
-        let tip = self.model.tip;
-        Point3::from_homogeneous(matrices[tip.link] * tip.point.to_homogeneous()).unwrap()
-    }
-}
-
 /// The largest distance of the links of two sets of poses, turns included, m.
 fn apart(one: &[Isometry3<f64>], other: &[Isometry3<f64>]) -> f64 {
     assert_eq!(one.len(), other.len());
     let points = [Vector3::zeros(), Vector3::x(), Vector3::y()].map(|way| Point3::from(way * 0.3));
     let pairs = one.iter().zip(other);
-    pairs
-        .flat_map(|(one, other)| points.map(|point| (one * point - other * point).norm()))
-        .fold(0.0, f64::max)
+    let ways = pairs.flat_map(|(one, other)| points.map(|point| (one * point - other * point)));
+    ways.map(|way| way.norm()).fold(0.0, f64::max)
 }
 
 /// The descriptions of a machine, to be compared at any axis positions.
 pub(super) struct Descriptions {
-    read: Read,
+    /// The machine as whoever reads its URDF has it, and its joints.
+    read: Model,
+    joints: JointPositions,
     kept: JointPositions,
 }
 
 impl Descriptions {
     pub(super) fn of(machine: &Machine) -> Self {
-        Self { read: Read::of(machine), kept: JointPositions::at_rest(&machine.model) }
+        let read = read_again(machine).model;
+        let joints = JointPositions::at_rest(&read);
+        Self { read, joints, kept: JointPositions::at_rest(&machine.model) }
+    }
+
+    /// The tip of the URDF with the axes at `axes`: one matrix after the other.
+    fn tip(&mut self, axes: &AxisVector) -> Point3<f64> {
+        self.joints.follow(&self.read, axes).unwrap();
+        let mut matrices = vec![Matrix4::identity()];
+        for (joint, position) in self.read.joints.iter().zip(self.joints.values()) {
+            matrices.push(matrices[joint.parent] * matrix(joint, *position));
+        }
+        let tip = self.read.tip;
+        Point3::from_homogeneous(matrices[tip.link] * tip.point.to_homogeneous()).unwrap()
     }
 
     /// Distances between the transform and chain, URDF and rapier's bodies, and of all links of chain and bodies, m.
@@ -147,7 +136,7 @@ impl Descriptions {
         let bodies = physics.link_poses();
         [
             (links[tip.link] * tip.point - transform).norm(),
-            (self.read.tip(axes) - transform).norm(),
+            (self.tip(axes) - transform).norm(),
             (bodies[tip.link] * tip.point - transform).norm(),
             apart(&bodies, &links),
         ]
@@ -166,7 +155,6 @@ fn transform_chain_urdf_and_bodies_agree() {
         let start = swing(&machine, 0.0).position;
         let mut twin = Simulated::new(&machine, &start).unwrap();
         let [mut least, mut most] = [start, start];
-        let mut worst = [0.0_f64; 4];
         for step in 0..=800_i32 {
             let axes = swing(&machine, f64::from(step) * 1e-3);
             let time_ns = i64::from(step) * machine.cycle_ns;
@@ -176,12 +164,8 @@ fn transform_chain_urdf_and_bodies_agree() {
                 most[index] = most[index].max(*value);
             }
             let errors = descriptions.errors(&machine, twin.physics(), &measured);
-            for (worst, error) in worst.iter_mut().zip(errors) {
-                assert!(error <= SAME, "{name} at step {step}: {errors:?} m");
-                *worst = worst.max(error);
-            }
+            assert!(errors.iter().all(|error| *error <= SAME), "{name} at {step}: {errors:?} m");
         }
-        println!("{name}: chain, URDF, bodies' tip, bodies' links at most {worst:?} m apart");
         // All of them have been somewhere.
         for (index, axis) in machine.axes.iter().enumerate() {
             let (way, far) = (most[index] - least[index], 0.08 * axis.max_velocity);
@@ -324,12 +308,8 @@ fn solids_of_different_links_do_not_meet() {
         let expected = bored.then_some(["arm2", "quill"]).into_iter();
         let expected = expected.chain(held.then_some(["quill", "holder"]));
         let expected: Vec<_> = expected.map(|pair| pair.map(str::to_owned)).collect();
-        let places = [
-            machine.start_axes().unwrap(),
-            swing(&machine, 0.0).position,
-            swing(&machine, 0.5).position,
-        ];
-        for axes in places {
+        let [early, late] = [0.0, 0.5].map(|time| swing(&machine, time).position);
+        for axes in [machine.start_axes().unwrap(), early, late] {
             assert_eq!(meeting(&machine.model, &axes), expected, "{} at {axes:?}", machine.name);
         }
     }

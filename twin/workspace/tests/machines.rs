@@ -1,7 +1,8 @@
 //! Tests of the workspaces of whole machines: gantry, SCARA and others, their sections and extents.
 
+use super::near;
 use crate::workspace::{Cut, Section, View, Way, Workspace, WorkspaceError};
-use nalgebra::{Point2, Point3};
+use nalgebra::Point3;
 use std::f64::consts::PI;
 use std::path::Path;
 use twin_machine::Machine;
@@ -9,10 +10,6 @@ use twin_machine::Machine;
 pub(super) fn machine(name: &str) -> Machine {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     Machine::load(&folder.join("machines").join(name)).unwrap()
-}
-
-fn near(found: f64, expected: f64, tolerance: f64) {
-    assert!((found - expected).abs() <= tolerance, "{found}, expected {expected}");
 }
 
 fn extent(section: &Section<'_>) -> [f64; 4] {
@@ -140,9 +137,8 @@ fn what_cannot_be_looked_at_is_an_error() {
     let height = View { height: Some(0.081), ..View::default() };
     let error = survey(height).unwrap_err();
     assert!(matches!(error, WorkspaceError::Height { .. }), "{error}");
-    assert!(
-        error.to_string().contains("81.000 mm") && error.to_string().contains("-100.000 to 80.000")
-    );
+    let said = error.to_string();
+    assert!(said.contains("81.000 mm") && said.contains("-100.000 to 80.000"), "{said}");
     let direction = View { direction: Some(1.0), ..View::default() };
     assert_eq!(survey(direction), Err(WorkspaceError::Direction));
     survey(View { height: Some(0.08), ..View::default() }).unwrap();
@@ -158,7 +154,6 @@ fn a_survey_is_repeatable() {
         (workspace.extent, section.within.clone(), section.best, section.middle())
     };
     assert_eq!(survey(), survey());
-    let _: Option<Point2<f64>> = survey().3;
 }
 
 /// A = x + y and B = x - y, each within ±700 mm: a square on its corner.
@@ -193,11 +188,8 @@ fn a_hand_moves_the_workspace_of_its_wrist() {
         near(horizontal.within.area() / (2.0 * limit * 0.05 * (1.0 - bend.cos())), 1.0, 1e-4);
         let [_, right, low, high] = extent(&horizontal);
         let (sin, cos) = direction.sin_cos();
-        all_near(
-            &[right, low, high],
-            &[0.45 + 0.04 * cos, -0.45 + 0.04 * sin, 0.45 + 0.04 * sin],
-            1e-5,
-        );
+        let expected = [0.45 + 0.04 * cos, -0.45 + 0.04 * sin, 0.45 + 0.04 * sin];
+        all_near(&[right, low, high], &expected, 1e-5);
         let example = workspace.example(&horizontal).unwrap().unwrap();
         assert_eq!(example.ways.len(), 4);
         assert!(example.ways.iter().map(Way::turns).eq([false, false, false, true]));

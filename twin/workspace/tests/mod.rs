@@ -3,3 +3,7 @@
 mod machines;
 mod region;
 mod svg;
+
+fn near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "{found}, expected {expected}");
+}

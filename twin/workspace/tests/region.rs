@@ -1,5 +1,6 @@
 //! Tests of regions: area, corners, boundaries and triangles.
 
+use super::near;
 use crate::workspace::Grid;
 use crate::workspace::region::{EXACT, Region};
 use nalgebra::Point2;
@@ -9,10 +10,6 @@ fn trace(inside: &dyn Fn(&Point2<f64>) -> bool) -> Region {
     let grid = Grid::over(Point2::new(-1.05, -1.02), Point2::new(1.0, 1.03), 100);
     let nodes: Vec<_> = grid.nodes().map(|(column, row)| inside(&grid.node(column, row))).collect();
     Region::trace(&grid, &nodes, EXACT, inside)
-}
-
-fn near(found: f64, expected: f64, tolerance: f64) {
-    assert!((found - expected).abs() <= tolerance, "{found}, expected {expected}");
 }
 
 #[test]
