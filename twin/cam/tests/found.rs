@@ -207,10 +207,10 @@ fn samples_that_are_off_are_told_with_their_lines() {
     let free = Free::OFFSETS;
     let mut run = run(&mut Random(3), [30.0, 4.0, 0.01], 0.2);
     run.samples = run.samples.into_iter().step_by(40).collect();
-    assert!(fit_run(&file, &use_it, &run, free, 0.05, [None; 4]).is_ok());
+    assert!(fit_run(&file, &use_it, &run, free, [None; 4]).is_ok());
     run.samples[17].slave += 6.0;
     run.samples[31].slave -= 3.0;
-    let error = fit_run(&file, &use_it, &run, free, 0.05, [None; 4]).expect_err("outliers");
+    let error = fit_run(&file, &use_it, &run, free, [None; 4]).expect_err("outliers");
     let TuneError::Outliers { outliers } = &error else { panic!("{error}") };
     let lines: Vec<_> = outliers.iter().map(|(line, _)| *line).collect();
     assert_eq!(lines, [run.samples[17].line, run.samples[31].line]);
@@ -238,7 +238,7 @@ fn a_run_says_how_far_the_slave_was() {
     let none = RecordedRun { groups: Vec::new(), ..run };
     let error =
         tappet_dead_time(&use_it, &switchings(&file, &use_it, &none), 0.002).expect_err("none");
-    assert_eq!(error, TuneError::FewSwitchings { found: 0, needed: 3 });
+    assert_eq!(error, TuneError::FewSwitchings { found: 0, needed: 4 });
 }
 
 /// An output that something else switches, half a second behind its tappet, is told with its line.

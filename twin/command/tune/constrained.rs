@@ -91,9 +91,6 @@ impl Report<'_> {
                 format!("the {quantity}, {} {}", short(*limit), self.of(*quantity))
             }
             Bound::Position { limit } => format!("the position, {} {slave}", short(*limit)),
-            Bound::Interval { end } if found.quantity.is_none() => {
-                format!("the end of --scaling-range, {}", short(*end))
-            }
             other => other.to_string(),
         };
         held.iter().map(said).collect()
