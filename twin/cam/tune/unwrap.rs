@@ -1,10 +1,9 @@
 //! Unwrap of runs that were recorded within the periods of axes: master and slave go on where their positions begin again.
 //!
-//! After what the master's positions begin again is given, or it is what they jump back by, if that is a period that a master of
-//! this cam has: whole passes of the cam, whole turns of an axis in degrees, or whole passes with the scaling in effect. A slave
-//! goes round if its axis does: with the period of the machine's axis, or of the cam's file. Whole periods of it are the same
-//! place, and so is its gain in whole passes of a master whose earlier turns are unknown: the slave is
-//! taken to be where that is nearest to its set-point.
+//! The master's period is given, or the one of this cam that its positions jump back by: whole passes of the cam, whole turns of an
+//! axis in degrees, or whole passes with the scaling in effect. The slave's is that of the machine's axis or of the cam's file. Whole
+//! periods of a slave are the same place, and so is its gain in whole passes of a master whose earlier turns are unknown: the slave
+//! is taken to be where that is nearest to its set-point.
 
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample, median, turns};

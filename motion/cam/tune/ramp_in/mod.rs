@@ -19,7 +19,7 @@ use twin_profile::RampType;
 
 /// A ramp that takes longer, s, is asked for by mistake.
 const LONGEST_S: f64 = 3600.0;
-/// The way of the cam that the soonest ramp assumes is longer than its own by this part.
+/// The soonest ramp assumes a longer way of the cam than its own, by this part.
 const FURTHER: f64 = 1e-3;
 /// Halvings of the range of the gentlest ramp.
 const HALVINGS: u32 = 50;
