@@ -4,7 +4,6 @@ use super::cam::Arguments;
 use super::least::{intervals, sought_within};
 use super::report::Report;
 use super::words::SlaveColumn;
-use crate::cam::check::CamUse;
 use crate::cam::run::RecordedRun;
 use crate::cam::tune;
 use crate::cam::tune::{
