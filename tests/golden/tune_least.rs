@@ -2,7 +2,7 @@
 //! files.
 
 use crate::process::{Desk, number};
-use crate::tuning::{LIFT, lift, noise, recording};
+use crate::tuning::LIFT;
 use std::f64::consts::PI;
 
 const REST: &str = "name = \"rest\"\nmaster = { min = 0, max = 100 }\nslave = { min = 0, max = 20, period = 20 }\nelements = [{ master = 0, slave = 10 }]\n";

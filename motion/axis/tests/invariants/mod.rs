@@ -305,12 +305,14 @@ impl Run {
                 let rate = rate.max(other.acceleration).max(other.deceleration);
                 Promise::OnCam { rate, jerk: jerk.max(other.jerk), steps }
             }
-            (Promise::Limits(own), Some(Promise::Limits(other))) => Promise::Limits(Limits {
-                velocity: own.velocity.max(other.velocity),
-                acceleration: own.acceleration.max(other.acceleration),
-                deceleration: own.deceleration.max(other.deceleration),
-                jerk: own.jerk.max(other.jerk),
-            }),
+            (Promise::Limits(own), Some(Promise::Limits(other))) => {
+                Promise::Limits(checker::Limits {
+                    velocity: own.velocity.max(other.velocity),
+                    acceleration: own.acceleration.max(other.acceleration),
+                    deceleration: own.deceleration.max(other.deceleration),
+                    jerk: own.jerk.max(other.jerk),
+                })
+            }
             _ => promise,
         }
     }
