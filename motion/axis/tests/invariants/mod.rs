@@ -306,7 +306,7 @@ impl Run {
                 Promise::OnCam { rate, jerk: jerk.max(other.jerk), steps }
             }
             (Promise::Limits(own), Some(Promise::Limits(other))) => {
-                Promise::Limits(checker::Limits {
+                Promise::Limits(twin_profile::AxisLimits {
                     velocity: own.velocity.max(other.velocity),
                     acceleration: own.acceleration.max(other.acceleration),
                     deceleration: own.deceleration.max(other.deceleration),
