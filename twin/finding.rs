@@ -275,7 +275,7 @@ impl Rule {
         Some(match self {
             Self::AxisPosition => [
                 "a cam takes its slave beyond the axis's limits, or a block moves an axis there",
-                "lay the cam elsewhere (SlaveOffset) or let it go less far (SlaveScaling): `twin tune cam --find slave-offset,slave-scaling` with the limits finds the least change; correct the target of a block, or where its axis starts",
+                "lay the cam elsewhere (SlaveOffset) or let it go less far (SlaveScaling): `twin tune cam --find slave-offset,slave-scaling` with the limits finds the nearest motion; correct the target of a block, or where its axis starts",
             ],
             Self::AxisVelocity => [
                 "the master is too fast for the cam or the gear, or a ramp onto the cam adds too much; a block asks for more",

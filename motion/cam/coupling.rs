@@ -221,11 +221,6 @@ impl CamCoupling {
         &self.table
     }
 
-    /// The way to the cam, as long as the slave is on it.
-    pub(crate) fn bridge(&self) -> Option<&RampIn> {
-        self.bridge.as_ref()
-    }
-
     /// Position of the master on the scale of the cam, passes included.
     pub fn place(&self) -> f64 {
         self.x

@@ -55,11 +55,6 @@ impl RampIn {
         Self { pieces, velocity, distance }
     }
 
-    /// The pieces: how long each takes in seconds, and its acceleration.
-    pub(crate) fn pieces(&self) -> [(f64, f64); 4] {
-        self.pieces
-    }
-
     /// Remaining distance, velocity and acceleration `t` seconds after the begin; true if it is over.
     pub(crate) fn at(&self, t: f64) -> (f64, f64, f64, bool) {
         let (mut gone, mut velocity, mut left) = (0.0, self.velocity, t);

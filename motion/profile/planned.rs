@@ -102,16 +102,6 @@ impl Profile {
         self.end
     }
 
-    /// The segments: duration, s, acceleration, u/s², and jerk, u/s³, at the beginning, and angular frequency of the
-    /// acceleration, rad/s: 0 with constant jerk.
-    pub fn stretches(&self) -> impl Iterator<Item = [f64; 4]> + '_ {
-        let segments = self.track.segments();
-        let ends = segments.iter().skip(1).map(|next| next.start).chain([self.track.duration]);
-        segments.iter().zip(ends).map(|(segment, end)| {
-            [end - segment.start, segment.state.acceleration, segment.jerk, segment.angular]
-        })
-    }
-
     /// State `time` s after the start, for times before that the start itself. After the end the motion goes on with
     /// the velocity it has there. Where the acceleration steps, it is that after the step.
     pub fn at(&self, time: f64) -> State {

@@ -492,7 +492,7 @@ fn help_is_in_order() {
         ("cam check", &["--format"]),
         ("cam plot", &["--output"]),
         ("cam sample", &["--points", "--step", "--output"]),
-        ("tune cam", &["--run", "--scaling-range", "--ramp-in", "--within", "--write", "--format"]),
+        ("tune cam", &["--run", "--master-start", "--ramp-in", "--within", "--write", "--format"]),
     ];
     for (command, options) in own {
         let text = help(command);

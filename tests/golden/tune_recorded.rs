@@ -70,7 +70,7 @@ fn few_switchings_keep_nothing_back() {
         |more: &str| desk.twin(&format!("tune cam cam.toml --run run.csv --find {FIND} {more}"));
     let done = tune("--write");
     done.ended(0, "");
-    done.says("2 switchings are too few for a dead time: 3 are needed");
+    done.says("2 switchings are too few for a dead time: 4 are needed");
     done.says("MasterOffset := 358.");
     desk.write("cam.toml", CAM);
     let told = tune("--format json").object();

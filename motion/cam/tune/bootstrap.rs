@@ -7,7 +7,7 @@
 
 use super::fit::{Fit, Problem};
 use super::residuals::Residual;
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::Vector4;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal, Uniform};
@@ -45,9 +45,6 @@ pub(super) struct Bootstrap {
     pub(super) correlation: f64,
     /// Quantum that noise does not hide; 0 without one.
     pub(super) quantum: f64,
-    /// Weighted variance of rounding, and what rounding alone lets two halves of the run gain with answers of their own.
-    pub(super) rounding: f64,
-    pub(super) gained: f64,
 }
 
 /// Noise before rounding: its variance as a part of the squared scales, the part of it that is certain to be there when positions
@@ -66,7 +63,6 @@ struct Replicates {
     /// Sum of the squares of the scaled residuals, and of their products with the next one: each with its mean and deviation.
     squares: [f64; 2],
     products: [f64; 2],
-    gained: f64,
 }
 
 struct Sampler<'a> {
@@ -75,8 +71,6 @@ struct Sampler<'a> {
     freedom: f64,
     /// Whitened residuals of mean 0 and variance 1.
     innovations: Vec<f64>,
-    /// Inverse normal matrices of both halves.
-    halves: [Option<Matrix4<f64>>; 2],
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
@@ -105,7 +99,7 @@ impl Bootstrap {
         let square = sum_products(&scaled, 0);
         let correlation = if square > 0.0 { sum_products(&scaled, 1) / square } else { 0.0 };
         let half = sampler.replicates(noise, None, REPLICATES).half();
-        Self { half, correlation, quantum: 0.0, rounding: 0.0, gained: 0.0 }
+        Self { half, correlation, quantum: 0.0 }
     }
 }
 
@@ -116,17 +110,8 @@ fn sum_products(values: &[f64], lag: usize) -> f64 {
 
 impl<'a> Sampler<'a> {
     fn new(problem: &Problem<'_>, residuals: &'a [Residual]) -> Self {
-        let (first, second) = residuals.split_at(residuals.len() / 2);
-        let halves = [first, second].map(|half| {
-            let fixed = problem.free.map(|free| if free { 0.0 } else { 1.0 });
-            let mut matrix = Matrix4::from_diagonal(&Vector4::from(fixed));
-            for r in half {
-                matrix += r.row * r.row.transpose() * r.weight;
-            }
-            matrix.try_inverse()
-        });
         let freedom = count(residuals.len() - problem.unknowns());
-        Self { residuals, free: problem.free, freedom, innovations: Vec::new(), halves }
+        Self { residuals, free: problem.free, freedom, innovations: Vec::new() }
     }
 
     /// Whitens the residuals; what the fit has taken away of squares and of products of neighbours is added again.
@@ -184,7 +169,7 @@ impl<'a> Sampler<'a> {
         let [square, product] = [0, 1].map(|lag| sum_products(&scaled, lag));
         let [hat, next] = [n - self.freedom, self.hat(1)];
         let mut noise = Noise { variance: 0.0, dither: 0.0, correlation: 0.0 };
-        let (mut left, mut gained) = (0.0, 0.0);
+        let mut left = 0.0;
         // What rounding leaves over depends on the noise, so noise is estimated twice. Noise makes the errors of rounding less alike,
         // so only as much of it counts there as is certain.
         for round in 0..2 {
@@ -202,8 +187,6 @@ impl<'a> Sampler<'a> {
                     let by_chance = CERTAIN * square / n.sqrt();
                     left = (excess - by_chance).max(0.0) / (of_noise * self.freedom).max(least);
                 }
-            } else {
-                gained = tried.gained;
             }
             noise.variance = of_noise.max(0.0);
             let certain = (of_noise - CERTAIN * tried.squares[1] / self.freedom).max(0.0);
@@ -214,13 +197,10 @@ impl<'a> Sampler<'a> {
         if hidden > HIDDEN {
             return None;
         }
-        let weight: f64 = self.residuals.iter().map(|r| r.weight).sum::<f64>() / n;
         Some(Bootstrap {
             half: self.replicates(noise, Some(step), REPLICATES).half(),
             correlation: left,
             quantum: if hidden <= TOLD { step } else { 0.0 },
-            rounding: step * step / 12.0 * weight,
-            gained,
         })
     }
 
@@ -292,7 +272,6 @@ impl<'a> Sampler<'a> {
             }
             if replicates <= FEW {
                 self.add_residuals(&errors, error, &mut sums);
-                found.gained += self.gained(&errors, error) / count(replicates);
             }
             found.errors.push(error);
         }
@@ -314,21 +293,6 @@ impl<'a> Sampler<'a> {
             *sum += value;
             *squares += value * value;
         }
-    }
-
-    /// What both halves gain with answers of their own.
-    fn gained(&self, errors: &[f64], error: Vector4<f64>) -> f64 {
-        let middle = errors.len() / 2;
-        let (first, second) = self.residuals.split_at(middle);
-        let (of_first, of_second) = errors.split_at(middle);
-        let gain = |residuals: &[Residual], errors: &[f64], inverse: Option<Matrix4<f64>>| {
-            let right = residuals.iter().zip(errors).fold(Vector4::zeros(), |sum, (r, e)| {
-                sum + r.row * (r.weight * (e - r.row.dot(&error)))
-            });
-            inverse.map_or(0.0, |inverse| right.dot(&(inverse * right)))
-        };
-        let [one, other] = self.halves;
-        gain(first, of_first, one) + gain(second, of_second, other)
     }
 }
 

@@ -68,25 +68,17 @@ pub struct FitOptions {
     /// `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` in effect. Values that are not looked for stay; of
     /// several answers that fit alike the one with the sign of this `SlaveScaling` and the nearest `MasterOffset` is taken.
     pub from: [f64; 4],
-    /// By which part of itself `MasterScaling` may differ.
-    pub scaling_range: f64,
     /// Whether the cam is periodic.
     pub repeated: bool,
     /// Intervals of the four values, where the user says which of several answers is meant; `MasterOffset` but for whole passes
-    /// of a periodic cam. `MasterScaling` is looked for in its interval instead of its range.
+    /// of a periodic cam. `MasterScaling` is looked for in its interval, or within 5 % of itself.
     pub between: [Option<[f64; 2]>; 4],
 }
 
 impl Default for FitOptions {
     /// Both offsets are looked for, the scalings are 1.
     fn default() -> Self {
-        Self {
-            free: Free::OFFSETS,
-            from: [0.0, 1.0, 0.0, 1.0],
-            scaling_range: 0.05,
-            repeated: true,
-            between: [None; 4],
-        }
+        Self { free: Free::OFFSETS, from: [0.0, 1.0, 0.0, 1.0], repeated: true, between: [None; 4] }
     }
 }
 
@@ -127,6 +119,8 @@ const BY_CHANCE: f64 = 1.645;
 const STRONGEST: f64 = 0.7;
 /// Probability with which independent noise is refused.
 pub(super) const CHANCE: f64 = 1e-4;
+/// Part of itself within which `MasterScaling` is looked for.
+const SCALING_RANGE: f64 = 0.05;
 /// Samples that the grid search looks at.
 const SEARCHED: usize = 256;
 /// Minima that are followed for each sign of `SlaveScaling`: the best ones, and those next to the coupling in effect.
@@ -272,10 +266,10 @@ impl Problem<'_> {
         let inverse = self.inverse(*values)?;
         let step = self.quantum(*values);
         self.refuse_outliers(*values, options, step.unwrap_or_default())?;
-        self.refuse_unexplained(*values, *left)?;
+        self.refuse_unexplained(*left)?;
         let residuals = self.residuals(*values, &inverse, step.unwrap_or_default());
         let found = Bootstrap::new(self, &residuals, step);
-        self.refuse_contradiction(*values, *left, &found)?;
+        self.refuse_contradiction(*values, *left, step.unwrap_or_default())?;
         if let Some(refused) = refused {
             return Err(refused.clone());
         }
@@ -308,7 +302,7 @@ impl Problem<'_> {
         let from = options.from;
         let scalings = if self.free[1] {
             // So fine that the ends of the run move by a small part of the cam.
-            let range = options.scaling_range.abs() * from[1].abs();
+            let range = SCALING_RANGE * from[1].abs();
             let given = options.between[1].filter(|ends| ends.iter().all(|end| end.is_finite()));
             let ends = given.unwrap_or([from[1] - range, from[1] + range]);
             grid(ends, self.width() / 24.0 / (high - low).max(f64::MIN_POSITIVE), 60)

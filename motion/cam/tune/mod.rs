@@ -8,11 +8,9 @@
     reason = "fixed arrays of the four values, and loops over the indexed array"
 )]
 
-mod along;
 mod bootstrap;
 mod constrained;
 mod distributions;
-mod evolution;
 mod fit;
 mod quantum;
 mod ramp_in;

@@ -3,9 +3,7 @@
 //! Refused are samples far from the others, residuals as large as the data, halves of a run that contradict each other, and a master
 //! at rest.
 
-use super::super::curve::Range;
 use super::FitError;
-use super::bootstrap::Bootstrap;
 use super::distributions::{fisher_exceeds, student_exceeds};
 use super::fit::{ALIKE, CHANCE, FitOptions, Problem, ROUNDING, Sample, Values};
 use super::quantum::quantum;
@@ -17,7 +15,6 @@ pub(super) struct Residual {
     pub(super) value: f64,
     /// Position of the model.
     pub(super) position: f64,
-    pub(super) weight: f64,
     /// Standard deviation of its noise, up to a common factor.
     pub(super) scale: f64,
     /// Derivatives of the model, and of the estimates by the sample.
@@ -60,8 +57,6 @@ const QUANTA: f64 = 1.5;
 const UNEXPLAINED: f64 = 0.5;
 /// From this many degrees of freedom on the variance of residuals is known well enough for a plain ratio.
 const MANY: f64 = 20.0;
-/// A slave that moves by less than this part of its cam's height rests.
-const RESTING: f64 = 0.05;
 
 impl Problem<'_> {
     pub(super) fn residuals(&self, p: Values, inverse: &Matrix4<f64>, step: f64) -> Vec<Residual> {
@@ -70,7 +65,7 @@ impl Problem<'_> {
             let (position, row) = self.model(p, sample.master);
             let Sample { slave, weight, .. } = *sample;
             let (value, scale) = (slave - position, even.weight.sqrt().recip());
-            Residual { value, position, weight, scale, row, share: inverse * row * weight }
+            Residual { value, position, scale, row, share: inverse * row * weight }
         };
         self.samples.iter().zip(samples).map(residual).collect()
     }
@@ -231,70 +226,52 @@ impl Problem<'_> {
         (median(both.into_iter().map(|(_, over)| over)) / MEDIAN).powi(2)
     }
 
-    pub(super) fn refuse_unexplained(&self, p: Values, left: f64) -> Result<(), FitError> {
+    pub(super) fn refuse_unexplained(&self, left: f64) -> Result<(), FitError> {
         let weights = self.sum(|s| s.weight);
         let mean = self.sum(|s| s.weight * s.slave) / weights;
         let spread = (self.sum(|s| s.weight * (s.slave - mean).powi(2)) / weights).sqrt();
         let rms = (left / weights).sqrt();
-        // One value of the slave is determined where it rests, too: there the spread is noise.
-        let spread = if self.is_line() { spread.max(self.seen_at_rest(p)) } else { spread };
         if rms > UNEXPLAINED * spread { Err(FitError::Unexplained { rms, spread }) } else { Ok(()) }
     }
 
-    /// Whether only `SlaveOffset` or only `SlaveScaling` is looked for.
-    fn is_line(&self) -> bool {
-        matches!(self.free, [false, false, true, false] | [false, false, false, true])
-    }
-
-    fn height(&self) -> f64 {
-        let Range { min, max, .. } = self.curve.extremes().position;
-        max - min
-    }
-
-    /// The spread that a slave at rest would have if it were part of the cam's height; 0 where the cam moves it.
-    fn seen_at_rest(&self, p: Values) -> f64 {
-        let height = self.height() * p[3].abs();
-        let [low, high] = self.ends(|sample| self.model(p, sample.master).0);
-        if high - low <= RESTING * height { RESTING * height / UNEXPLAINED } else { 0.0 }
-    }
-
-    /// Refuses halves of the run that leave over much less with answers of their own.
+    /// Refuses halves of the run that leave over much less with answers of their own, if these differ by more than rounding.
     pub(super) fn refuse_contradiction(
         &self,
         p: Values,
         left: f64,
-        found: &Bootstrap,
+        step: f64,
     ) -> Result<(), FitError> {
         let Some(freedom) = self.samples.len().checked_sub(2 * self.unknowns()) else {
             return Ok(());
         };
         let (first, second) = self.samples.split_at(self.samples.len() / 2);
-        let mut gained = 0.0;
-        for samples in [first, second] {
+        let (mut gained, mut apart) = (0.0, Vector4::zeros());
+        for (samples, sign) in [(first, 1.0), (second, -1.0)] {
             let (matrix, right) = Problem { samples, ..*self }.normal(p);
             let Some(factors) = matrix.cholesky() else { return Ok(()) };
-            gained += right.dot(&factors.solve(&right));
+            let own = factors.solve(&right);
+            gained += right.dot(&own);
+            apart += own * sign;
         }
         #[expect(clippy::cast_precision_loss, reason = "counts of samples and unknowns")]
         let (freedom, unknowns) = (freedom as f64, self.unknowns() as f64);
-        let rest = (left - gained).max(f64::MIN_POSITIVE) / freedom;
-        let f = gained / (unknowns * rest.max(found.rounding) + found.gained);
+        let f = gained / (unknowns * ((left - gained).max(f64::MIN_POSITIVE) / freedom));
         let beyond =
             if freedom < MANY { fisher_exceeds(f, unknowns, freedom) < CHANCE } else { f > ALIKE };
+        let [low, high] = self.ends(|s| self.model(p, s.master).1.dot(&apart));
         // The last digits of exact data do not count.
         let size = self.sum(|s| s.weight * s.slave.powi(2));
-        if beyond && gained > ROUNDING * size { Err(FitError::Contradictory { f }) } else { Ok(()) }
+        let differ = high.max(-low) > step && gained > ROUNDING * size;
+        if beyond && differ { Err(FitError::Contradictory { f }) } else { Ok(()) }
     }
 
-    /// Refuses a master at rest, unless one value of the slave is looked for.
+    /// Refuses a master at rest.
     pub(super) fn refuse_still(&self) -> Result<(), FitError> {
         let [low, high] = self.ends(|sample| sample.master);
-        let still = high - low <= 1e-12 * low.abs().max(high.abs()).max(self.width());
-        if still && !self.is_line() {
-            let (samples, unknowns) = (self.samples.len(), self.names());
-            return Err(FitError::Still { master: low, samples, unknowns });
+        if high - low > 1e-12 * low.abs().max(high.abs()).max(self.width()) {
+            return Ok(());
         }
-        Ok(())
+        Err(FitError::Still { master: low, samples: self.samples.len(), unknowns: self.names() })
     }
 }
 

@@ -4,7 +4,7 @@ use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::picture::{Shown, on_stretches};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::dead_time::{switchings, tappet_dead_time};
-use crate::cam::tune::{TuneError, errors, fit_run, rms, within_limits};
+use crate::cam::tune::{ANYTHING, TuneError, errors, fit_run, rms, within_limits};
 use crate::finding::{Rule, Severity};
 use std::fmt::Write;
 use std::path::Path;
@@ -207,10 +207,10 @@ fn samples_that_are_off_are_told_with_their_lines() {
     let free = Free::OFFSETS;
     let mut run = run(&mut Random(3), [30.0, 4.0, 0.01], 0.2);
     run.samples = run.samples.into_iter().step_by(40).collect();
-    assert!(fit_run(&file, &use_it, &run, free, 0.05, [None; 4]).is_ok());
+    assert!(fit_run(&file, &use_it, &run, free, [None; 4]).is_ok());
     run.samples[17].slave += 6.0;
     run.samples[31].slave -= 3.0;
-    let error = fit_run(&file, &use_it, &run, free, 0.05, [None; 4]).expect_err("outliers");
+    let error = fit_run(&file, &use_it, &run, free, [None; 4]).expect_err("outliers");
     let TuneError::Outliers { outliers } = &error else { panic!("{error}") };
     let lines: Vec<_> = outliers.iter().map(|(line, _)| *line).collect();
     assert_eq!(lines, [run.samples[17].line, run.samples[31].line]);
@@ -238,7 +238,7 @@ fn a_run_says_how_far_the_slave_was() {
     let none = RecordedRun { groups: Vec::new(), ..run };
     let error =
         tappet_dead_time(&use_it, &switchings(&file, &use_it, &none), 0.002).expect_err("none");
-    assert_eq!(error, TuneError::FewSwitchings { found: 0, needed: 3 });
+    assert_eq!(error, TuneError::FewSwitchings { found: 0, needed: 4 });
 }
 
 /// An output that something else switches, half a second behind its tappet, is told with its line.
@@ -290,13 +290,14 @@ fn runs_that_are_none() {
     assert!((run.samples[1].time_s - 0.001).abs() < 1e-15 && run.samples[0].master == 1.5);
 }
 
-/// What keeps the limits by as little as can be: the peak of y″ · (s · v)² is at its limit with the largest scaling.
+/// What keeps the limits is nearest to the motion so far: the peak of y″ · (s · v)² is at its limit with the largest scaling.
 #[test]
 fn scalings_and_offsets_within_limits() {
     let file = cam(LIFT);
     let none = Free::NONE;
-    let within_limits = |file: &CamFile, using: &CamUse, free| {
-        Ok::<_, TuneError>(within_limits(file, using, free, None)?.0)
+    let within_limits = |file: &CamFile, using: &CamUse, free: Free| {
+        let sought = free.list().map(|free| free.then_some(ANYTHING));
+        Ok::<_, TuneError>(within_limits(file, using, sought)?.0)
     };
     let second = 10.0 / 3.0_f64.sqrt() * 100.0 / 180.0_f64.powi(2);
     let use_it = using(&file, 300.0, limits(1e6, 900.0));

@@ -1,15 +1,10 @@
-//! Tests of the master motion found in a run, and of the smallest peak from there.
+//! Tests of the master motion found in a run.
 
 use super::found::{Random, cam, using};
-use super::tuned::{Plant, VELOCITY, recorded, uneven};
-use crate::cam::check::{AxisLimits, CamUse};
+use super::tuned::uneven;
+use crate::cam::check::AxisLimits;
 use crate::cam::run::{RecordedRun, RunSample};
-use crate::cam::tune::{
-    Constrained, Least, corrected, fit_run, master_motion, minimise, wanted, wants,
-};
-use twin_cam::Quantity;
-use twin_cam::tune::Free;
-use twin_machine::cam_file::CamFile;
+use crate::cam::tune::master_motion;
 
 /// A run every 2 ms of a master, with noise of it.
 fn driven(count: i32, noise: f64, master: impl Fn(f64) -> f64) -> RecordedRun {
@@ -55,49 +50,4 @@ fn a_run_shows_how_its_master_goes() {
     }
     let still = driven(100, 0.01, |_| 90.0);
     assert_eq!(master_motion(&file, &use_it, &still), None);
-}
-
-const PLANT: Plant = Plant { lag: 0.005, gain: 1.02, shift: 3.0 };
-
-/// One run of the machine, and what is proposed: the slave's scaling as small as 0.9, and the slave a little lower.
-fn tuned(file: &CamFile, use_it: &CamUse) -> (CamUse, CamUse, Constrained) {
-    let run = recorded(file, &use_it.coupling, &PLANT, 0.0);
-    let free = Free { master_scaling: false, ..Free::ALL };
-    let fit = fit_run(file, &wanted(use_it), &run, free, 0.05, [None; 4]).expect("a fit");
-    let (corrected, deviation) = corrected(file, use_it, &fit);
-    let least = Least {
-        quantity: Quantity::Jerk,
-        sought: [None, None, Some([-9.0, 9.0]), Some([0.9, 1.1])],
-    };
-    let (mut after, found) = minimise(file, &corrected, &least).expect("a peak");
-    after.coupling.wanted = wants(&deviation, &corrected, &after);
-    (corrected, after, found)
-}
-
-/// f(m − 1.8) · 1.02 + 3 is undone first, so that the scaling goes from 1/1.02 down to 0.9; the slave then does 0.9 · 1.02 of the
-/// cam, which is what is wanted of it from now on: another run changes nothing.
-#[test]
-fn the_smallest_peak_of_a_slave_that_was_measured() {
-    let file = cam(&uneven());
-    let first = using(&file, VELOCITY, AxisLimits::NONE);
-    let (_, second, found) = tuned(&file, &first);
-    let input = &second.coupling.input;
-    for (value, truth) in [
-        (input.master_offset, 1.8),
-        (found.from[3], 1.0 / 1.02),
-        (input.slave_scaling, 0.9),
-        (input.slave_offset, -3.0 / 1.02),
-        // From rest to rest y‴ is 60 · h/w³ at most: 30 mm in 60 deg.
-        (found.before, 60.0 * 30.0 / 60.0_f64.powi(3) * VELOCITY.powi(3) / 1.02),
-        (found.after, 60.0 * 30.0 / 60.0_f64.powi(3) * VELOCITY.powi(3) * 0.9),
-    ] {
-        assert!((value / truth - 1.0).abs() < 1e-8, "{value} is not {truth}");
-    }
-    let want = second.coupling.wanted.expect("what is wanted");
-    for (value, truth) in want.into_iter().zip([0.0, 1.0, 0.0, 0.9 * 1.02]) {
-        assert!((value - truth).abs() < 1e-8, "{value} is not {truth}");
-    }
-    let (corrected, third, _) = tuned(&file, &second);
-    assert_eq!(corrected, second);
-    assert_eq!(third, second);
 }

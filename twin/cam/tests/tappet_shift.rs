@@ -136,7 +136,7 @@ fn what_is_proposed_lies_within_its_own_interval() {
         let samples = (0..300).map(sample).collect();
         let run = RecordedRun { groups: Vec::new(), samples };
         let free = Free { master_scaling: false, ..Free::ALL };
-        let fit = fit_run(&file, &wanted(&first), &run, free, 0.05, [None; 4]).expect("a fit");
+        let fit = fit_run(&file, &wanted(&first), &run, free, [None; 4]).expect("a fit");
         let (second, deviation) = corrected(&file, &first, &fit);
         let [offset, scaling, shift, factor] = within(&deviation, &wanted(&first), &second);
         assert_eq!((scaling.value, scaling.half_width), (1.0, 0.0));

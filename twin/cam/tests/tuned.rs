@@ -51,7 +51,7 @@ pub(super) fn uneven() -> String {
 const FREE: Free = Free { master_scaling: false, ..Free::ALL };
 
 fn tuned(file: &CamFile, use_it: &CamUse, run: &RecordedRun) -> CamUse {
-    let fit = fit_run(file, &wanted(use_it), run, FREE, 0.05, [None; 4]).expect("a fit");
+    let fit = fit_run(file, &wanted(use_it), run, FREE, [None; 4]).expect("a fit");
     corrected(file, use_it, &fit).0
 }
 
@@ -168,7 +168,7 @@ fn switchings_that_are_no_dead_time_are_said() {
     let flips = [0.5, 1.0, 2.2, 3.9, 4.4, 5.2];
     let random = |time: f64| flips.iter().filter(|flip| **flip <= time).count() % 2 == 1;
     let error = dead_time(&switched(0.002, 0.0, 360.0, random), 0.0).expect_err("flips");
-    assert!(matches!(error, TuneError::Scattered { count: 6, .. }), "{error}");
+    assert!(matches!(error, TuneError::Scattered { group: 1, count: 6.0, .. }), "{error}");
     let inverted = |time| !late(0.01, 360.0)(time);
     let error = dead_time(&switched(0.002, 0.0, 360.0, inverted), 0.0).expect_err("inverted");
     assert!(matches!(error, TuneError::Scattered { .. }), "{error}");

@@ -113,7 +113,7 @@ impl Way<'_> {
             let Unwound { run, master, slave } = unwound(&file, &use_it, &run, None);
             assert_eq!(master, self.master.map(|[_, period]| period), "{seed}");
             assert_eq!(slave, self.slave.map(|[_, period]| period), "{seed}");
-            let found = fit_run(&file, &use_it, &run, self.free, 0.05, [None; 4])
+            let found = fit_run(&file, &use_it, &run, self.free, [None; 4])
                 .unwrap_or_else(|error| panic!("{seed}: {error}"));
             for ((held, found), truth) in held.iter_mut().zip(found.estimates).zip(truth) {
                 *held += u32::from(found.half_width <= 0.0 || found.holds(truth));

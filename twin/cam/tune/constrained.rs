@@ -42,20 +42,16 @@ pub(crate) struct RunFit<'a> {
     pub(crate) fit: &'a Fit,
     /// How the slave deviates, if it was measured; else the run is the motion wanted.
     pub(crate) deviation: Option<&'a Deviation>,
-    /// Within which part of itself `MasterScaling` has to stay, if that was said.
-    pub(crate) scaling_range: Option<f64>,
 }
 
-/// The peak that is to be small, and what holds offsets and scalings.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Least {
-    /// Peak of the slave's acceleration or jerk.
-    pub(crate) quantity: Quantity,
-    /// Between what `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` may be; none for what stays.
-    pub(crate) sought: [Option<[f64; 2]>; 4],
-}
+/// Between what `MasterOffset`, `MasterScaling`, `SlaveOffset` and `SlaveScaling` may be; none for what stays.
+pub(crate) type Intervals = [Option<[f64; 2]>; 4];
 
-const ANYTHING: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+/// Places of a pass at which a motion is compared with the one so far.
+const PASS: u32 = 360;
+
+/// The interval of what may be anything.
+pub(crate) const ANYTHING: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Offsets and scalings with the least error that is possible within the limits of the set-points; none if the proposal keeps them.
 /// [`TuneError::NoRoom`] if nothing does.
@@ -65,7 +61,7 @@ pub(crate) fn limited(
     run: &RecordedRun,
     free: Free,
 ) -> Result<Option<(CamUse, Constrained)>, TuneError> {
-    let RunFit { before, proposed, fit, deviation, scaling_range } = *run_fit;
+    let RunFit { before, proposed, fit, deviation } = *run_fit;
     if keeps(file, proposed) {
         return Ok(None);
     }
@@ -81,8 +77,8 @@ pub(crate) fn limited(
     };
     let samples: Vec<Sample> = run.samples.iter().map(sample).collect();
     let from = of_coupling(proposed);
-    let scalings = scalings(scaling_range, before, proposed);
-    let wish = wish(file, proposed, free, scalings)?;
+    let sought = free.list().map(|free| free.then_some(ANYTHING));
+    let wish = wish(file, proposed, sought)?;
     let found = constrained_fit(file.cam.curve(), Objective::Error(&samples), &wish)
         .map_err(|error| no_room(&error))?;
     let old = of_coupling(before);
@@ -105,7 +101,7 @@ pub(crate) fn limited(
         if known { old[index] } else { short(index, value) }
     };
     let all = [with(&stays), with(&short), with(&|_, value| clean(value))];
-    let kept = all.into_iter().find(|one| keeps(file, one) && in_range(scalings, one));
+    let kept = all.into_iter().find(|one| keeps(file, one));
     let mut after = kept.unwrap_or_else(|| with(&|_, value| value));
     after.coupling.wanted = before.coupling.wanted;
     if deviation.is_some() && after.coupling.input != before.coupling.input {
@@ -127,22 +123,32 @@ pub(crate) fn limited(
     Ok(Some((after, found)))
 }
 
-/// The nearest offset and scalings with which the cam keeps the limits, at the motion of the master: those for which the sum of
-/// the squares of the changes is least, of the scalings as parts of themselves, of `SlaveOffset` as a part of the stroke.
-/// `scaling_range` is the part of itself within which `MasterScaling` has to stay, if that was said.
-/// [`TuneError::NoRoom`] if nothing does.
+/// Offset and scalings with which the cam keeps the limits at the motion of the master, and its slave is nearest to the motion so
+/// far: the least error over a pass.
+/// [`TuneError::NoRoom`] if nothing keeps them.
 pub(crate) fn within_limits(
     file: &CamFile,
     using: &CamUse,
-    free: Free,
-    scaling_range: Option<f64>,
+    [_, sought @ ..]: Intervals,
 ) -> Result<(CamUse, Constrained), TuneError> {
-    let scalings = scalings(scaling_range, using, using);
-    let wish = wish(file, using, Free { master_offset: false, ..free }, scalings)?;
-    let found = constrained_fit(file.cam.curve(), Objective::Change, &wish)
+    let [scaling, shift, factor] = sought;
+    let wish = wish(file, using, [None, scaling, shift, factor])?;
+    let [from, to] = using.starts(file.cam.curve());
+    let sample = |index: u32| {
+        let master = from + (to - from) * (f64::from(index) + 0.5) / f64::from(PASS);
+        Sample { master, slave: super::slave_on_cam(file, using, master), weight: 1.0 }
+    };
+    let samples: Vec<_> = (0..PASS).map(sample).collect();
+    let found = constrained_fit(file.cam.curve(), Objective::Error(&samples), &wish)
         .map_err(|error| no_room(&error))?;
     let all = [with_values(using, found.values), with_exactly(using, found.values)];
-    let kept = all.into_iter().find(|one| keeps(file, one) && in_range(scalings, one));
+    let inside = |one: &CamUse| {
+        let pairs = of_coupling(one).into_iter().zip(wish.sought);
+        pairs
+            .into_iter()
+            .all(|(value, within)| within.is_none_or(|[a, b]| (a..=b).contains(&value)))
+    };
+    let kept = all.into_iter().find(|one| keeps(file, one) && inside(one));
     let after = kept.unwrap_or(all[1]);
     Ok((after, of_motion(using, &after, found, None)))
 }
@@ -152,9 +158,9 @@ pub(crate) fn within_limits(
 pub(crate) fn minimise(
     file: &CamFile,
     using: &CamUse,
-    least: &Least,
+    quantity: Quantity,
+    sought: Intervals,
 ) -> Result<(CamUse, Constrained), TuneError> {
-    let Least { quantity, sought } = *least;
     let wish = Constraints {
         sought,
         limits: using.limits.motion,
@@ -178,24 +184,7 @@ fn of_motion(
     Constrained { from, held, before, after, quantity, does }
 }
 
-/// Interval of `MasterScaling`: a part of the value in effect, and the proposal without limits as well.
-pub(crate) fn scalings(range: Option<f64>, before: &CamUse, proposed: &CamUse) -> [f64; 2] {
-    let Some(part) = range else { return ANYTHING };
-    let [scaling, other] = [before, proposed].map(|using| using.coupling.input.master_scaling);
-    let [one, two] = [1.0 - part, 1.0 + part].map(|part| part * scaling);
-    [one.min(two).min(other), one.max(two).max(other)]
-}
-
-fn in_range([low, high]: [f64; 2], using: &CamUse) -> bool {
-    (low..=high).contains(&using.coupling.input.master_scaling)
-}
-
-fn wish(
-    file: &CamFile,
-    using: &CamUse,
-    free: Free,
-    scalings: [f64; 2],
-) -> Result<Constraints, TuneError> {
+fn wish(file: &CamFile, using: &CamUse, sought: Intervals) -> Result<Constraints, TuneError> {
     let position = using.limits.position;
     if let Some(rise) = using.gain(file).filter(|_| using.is_limited()) {
         let rise = rise * using.coupling.input.slave_scaling;
@@ -203,10 +192,8 @@ fn wish(
         let why = format!("the slave gains {rise} in every pass and leaves {low} to {high}");
         return Err(TuneError::NoRoom { what: "offset or scaling", why });
     }
-    let [offset, scaling, shift, factor] = free.list();
-    let sought = [(offset, ANYTHING), (scaling, scalings), (shift, ANYTHING), (factor, ANYTHING)];
     Ok(Constraints {
-        sought: sought.map(|(free, ends)| free.then_some(ends)),
+        sought,
         limits: using.limits.motion,
         position,
         ..Constraints::new(of_coupling(using), using.master, using.repeated)

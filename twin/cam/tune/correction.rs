@@ -156,15 +156,3 @@ pub(crate) fn within(deviation: &Deviation, target: &CamUse, new: &CamUse) -> [E
     let (values, half) = (of_coupling(new), deviation.commanded_within(of_coupling(target)));
     [0, 1, 2, 3].map(|index: usize| Estimate { value: values[index], half_width: half[index] })
 }
-
-/// The wanted coupling of a slave that deviates so, where its coupling changes from `before` to `after`: what it does with that.
-pub(crate) fn wants(deviation: &Deviation, before: &CamUse, after: &CamUse) -> Option<[f64; 4]> {
-    let wanted = before.coupling.wanted?;
-    let [before, after] = [before, after].map(of_coupling);
-    let does = deviation.done(after);
-    Some([0, 1, 2, 3].map(|index: usize| {
-        let (value, half_width) = (does[index], deviation.known[index]);
-        let stays = before[index].to_bits() == after[index].to_bits();
-        if stays { wanted[index] } else { super::rounded(Estimate { value, half_width }) }
-    }))
-}

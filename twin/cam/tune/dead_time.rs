@@ -14,25 +14,17 @@ use twin_cam::{Action, Passage, Tappet};
 use twin_machine::cam_file::CamFile;
 use twin_number::significant;
 
-/// Switchings that a dead time needs.
-const NEEDED: usize = 3;
+/// Switchings that a dead time needs: of so many at random fewer than one run in a hundred scatters as little as is accepted.
+const NEEDED: usize = 4;
+/// Switchings of a group scatter by this part of the time from one tappet to the next at most, standard deviation.
+const SCATTER: f64 = 0.05;
 /// Probability with which noise alone is refused.
 const CHANCE: f64 = 1e-4;
-/// Probability with which random switchings are taken for those of tappets.
-const AT_RANDOM: f64 = 1e-3;
-/// Switchings scatter by this part of the time from one tappet to the next at most; those of a sound output by the second.
-const SCATTER: f64 = 0.1;
-const OWN: f64 = 0.01;
-/// A span that random switchings keep to with a larger probability says nothing.
-const TELLING: f64 = 0.1;
 /// A switching that is farther from the median of all than this many times their usual distance is suspect.
 const OUTLIER: f64 = 10.0;
-/// A longer dead time, or one that is known worse, as parts of the time from one tappet to the next of its kind, may be that of
-/// another tappet, of an inverted output, or of switchings at random.
-const TOLD_APART: [f64; 2] = [0.25, 0.1];
-/// Switchings that each of two heaps has at least, and the gap between them in times of their scatter.
-const LEAST: usize = 3;
-const APART: f64 = 10.0;
+/// A longer dead time, as a part of the time from one tappet to the next of its kind, may be that of another tappet or of an
+/// inverted output.
+const LONGEST: f64 = 0.25;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seen {
@@ -46,8 +38,6 @@ pub(crate) struct Seen {
     pub(crate) within_s: f64,
     /// After what time the master comes to a tappet that switches so again, s.
     pub(crate) every_s: f64,
-    /// What noise of the master makes of the tappet's time, standard deviation, s.
-    pub(crate) noise_s: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,8 +48,6 @@ pub(crate) enum Part {
     Off(i16),
     First,
     Second,
-    Early,
-    Late,
 }
 
 /// What a part of the switchings has in common.
@@ -97,8 +85,6 @@ impl fmt::Display for SwitchingPart {
             Part::Off(group) => format!("group {group} switches off"),
             Part::First => "in the first half of the run outputs switch".to_owned(),
             Part::Second => "in the second half they switch".to_owned(),
-            Part::Early => "some outputs switch".to_owned(),
-            Part::Late => "others switch".to_owned(),
         };
         let plural = if *count > 1.0 { "switchings" } else { "switching" };
         write!(f, "{which} {} s behind its tappets ({count} {plural})", significant(*mean_s, 4))
@@ -133,7 +119,6 @@ pub(crate) fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> V
     let input = &using.coupling.input;
     let place = |master: f64| master * input.master_scaling + input.master_offset;
     let places: Vec<_> = run.samples.iter().map(|one| [one.time_s, place(one.master)]).collect();
-    let noise = (run.noise() * input.master_scaling).abs();
     let mut seen = Vec::new();
     for (index, pair) in run.samples.windows(2).enumerate() {
         let [from, to] = [places[index], places[index + 1]];
@@ -161,7 +146,6 @@ pub(crate) fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> V
                 behind_s: time - passed - delay,
                 within_s: (to[0] - from[0]) / 2.0,
                 every_s: every / velocity.abs(),
-                noise_s: noise / velocity.abs(),
             });
         }
     }
@@ -233,19 +217,13 @@ pub(crate) fn tappet_dead_time(
     refuse_outlier(seen, between_s)?;
     let half_width = scatter + all.within_s;
     let value = all.mean_s + using.coupling.dead_time_s;
-    let every_s = median(seen.iter().map(|seen| seen.every_s).collect());
-    let [longest, widest] = TOLD_APART.map(|part| part * every_s);
-    // Samples cannot separate this much: half of the switchings at one end of what they leave open, half at the other.
-    let open = all.within_s * (t / (all.count - 1.0).sqrt()).max(2.0);
-    if scatter > widest.max(open) {
-        return Err(TuneError::Scattered { count, half_width_s: half_width, every_s });
-    }
-    refuse_random(seen)?;
+    refuse_scattered(seen)?;
     refuse_contradictory(seen)?;
     if value < -half_width {
         return Err(TuneError::Early { value_s: value, half_width_s: half_width });
     }
-    if all.mean_s.abs() > longest.max(half_width) {
+    let every_s = median(seen.iter().map(|seen| seen.every_s).collect());
+    if all.mean_s.abs() > (LONGEST * every_s).max(half_width) {
         return Err(TuneError::Late { value_s: all.mean_s, every_s });
     }
     Ok(Estimate { value, half_width })
@@ -267,49 +245,24 @@ fn refuse_outlier(seen: &[Seen], between_s: f64) -> Result<(), TuneError> {
         near.count >= 2.0 && chance * (near.count + 1.0) < CHANCE
     };
     let Some(one) = seen.iter().filter(far).find(is_none) else { return Ok(()) };
-    // A heap of them is not one accident.
-    refuse_contradictory(seen)?;
     Err(TuneError::Outlier { line: one.line, behind_s: one.behind_s, usual_s: middle })
 }
 
-/// Refuses switchings that lie no closer together than random ones.
-///
-/// Random ones are anywhere between two tappets. That all n of them lie within the part w of the way from one to the next,
-/// wherever, has the chance n·wⁿ⁻¹ (points on a circle, Stevens 1939). Few switchings are accepted as well if they are not farther
-/// apart than samples and noise make them, and if random ones were noticed at that distance.
-fn refuse_random(seen: &[Seen]) -> Result<(), TuneError> {
+/// Refuses a group whose switchings scatter too widely: they may come at random.
+fn refuse_scattered(seen: &[Seen]) -> Result<(), TuneError> {
     for group in distinct(seen.iter().map(|seen| seen.group)) {
-        let of_group: Vec<_> = seen.iter().filter(|seen| seen.group == group).collect();
-        let part = SwitchingPart::new(Part::Group(group), of_group.iter().copied());
-        if of_group.len() < NEEDED {
-            continue;
-        }
-        let every_s = median(of_group.iter().map(|seen| seen.every_s).collect());
-        let most =
-            |of: fn(&Seen) -> f64| of_group.iter().map(|one| of(one)).fold(f64::MIN, f64::max);
-        let ends = [-most(|one| -one.behind_s), most(|one| one.behind_s)];
-        let [within_s, noise_s] = [most(|one| one.within_s), most(|one| one.noise_s)];
-        let chance = |apart_s: f64| part.count * (apart_s / every_s).powf(part.count - 1.0);
-        let usual_s = 2.0 * within_s + range_of(part.count) * noise_s.hypot(OWN * every_s);
-        let apart_s = ends[1] - ends[0];
-        let close =
-            chance(apart_s) <= AT_RANDOM || (apart_s <= usual_s && chance(usual_s) <= TELLING);
-        let scatter_s = (part.square / (part.count - 1.0)).sqrt();
-        if !close || scatter_s > (SCATTER * every_s).max(within_s + noise_s) {
-            return Err(TuneError::Random { group, count: of_group.len(), ends, every_s });
+        let of_group = seen.iter().filter(|seen| seen.group == group);
+        let every_s = median(of_group.clone().map(|seen| seen.every_s).collect());
+        let SwitchingPart { count, square, .. } = SwitchingPart::new(Part::Group(group), of_group);
+        let scatter_s = (square / (count - 1.0).max(1.0)).sqrt();
+        if scatter_s > SCATTER * every_s {
+            return Err(TuneError::Scattered { group, count, scatter_s, every_s });
         }
     }
     Ok(())
 }
 
-/// The range of `count` values of normal noise, in standard deviations, that one case of 10,000 exceeds: each of the pairs exceeds
-/// x·√2 with a chance of less than exp(−x²/2).
-fn range_of(count: f64) -> f64 {
-    let pairs = count * (count - 1.0) / 2.0;
-    2.0 * (pairs / CHANCE).ln().max(0.0).sqrt()
-}
-
-/// Refuses groups, edges of one group, halves of the run and heaps of switchings that have different dead times.
+/// Refuses groups, edges of one group and halves of the run that have different dead times.
 fn refuse_contradictory(seen: &[Seen]) -> Result<(), TuneError> {
     let part =
         |which, of: &dyn Fn(&&Seen) -> bool| SwitchingPart::new(which, seen.iter().filter(of));
@@ -327,8 +280,7 @@ fn refuse_contradictory(seen: &[Seen]) -> Result<(), TuneError> {
     refuse_apart(&[
         part(Part::First, &|s| s.line <= middle),
         part(Part::Second, &|s| s.line > middle),
-    ])?;
-    refuse_heaps(seen)
+    ])
 }
 
 /// Compares means by Student's t with the scatter of all parts together. Samples may have shifted each mean by half the time between
@@ -351,23 +303,4 @@ fn refuse_apart(parts: &[SwitchingPart]) -> Result<(), TuneError> {
         }
     }
     Ok(())
-}
-
-/// Refuses switchings in two heaps with nothing between, far apart for how wide they are.
-fn refuse_heaps(seen: &[Seen]) -> Result<(), TuneError> {
-    let mut sorted = seen.to_vec();
-    sorted.sort_by(|one, other| one.behind_s.total_cmp(&other.behind_s));
-    let gap = |index: usize| sorted[index].behind_s - sorted[index - 1].behind_s;
-    let places = LEAST..sorted.len().saturating_sub(LEAST - 1);
-    let Some(at) = places.max_by(|one, other| gap(*one).total_cmp(&gap(*other))) else {
-        return Ok(());
-    };
-    let (early, late) = sorted.split_at(at);
-    let one = SwitchingPart::new(Part::Early, early.iter());
-    let other = SwitchingPart::new(Part::Late, late.iter());
-    let scatter = ((one.square + other.square) / (one.count + other.count - 2.0)).sqrt();
-    let two = sorted.len() > 2 * LEAST
-        && gap(at) > 2.0 * (one.within_s + other.within_s)
-        && gap(at) > APART * scatter;
-    if two { Err(TuneError::TwoDeadTimes { one, other }) } else { Ok(()) }
 }

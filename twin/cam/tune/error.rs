@@ -38,11 +38,12 @@ pub(crate) enum TuneError {
     )]
     Outlier { line: u64, behind_s: f64, usual_s: f64 },
     #[error(
-        "dead time of the tappets: {count} switchings determine it to ± {} s only, and the master comes to such a tappet every {} s: \
-         something else switches the output, or it is not this cam's",
-        significant(*.half_width_s, 4), significant(*.every_s, 4)
+        "dead time of the tappets: the {count} switchings of group {group} scatter by {} s, and the master passes such a tappet \
+         every {} s: an output that switches at random looks the same. Check that this cam alone switches it, or record more \
+         samples per second",
+        significant(*.scatter_s, 4), significant(*.every_s, 4)
     )]
-    Scattered { count: usize, half_width_s: f64, every_s: f64 },
+    Scattered { group: i16, count: f64, scatter_s: f64, every_s: f64 },
     #[error(
         "dead time of the tappets: the output switches {} ± {} s before its tappets, and a dead time cannot be negative: it is \
          inverted, or not this cam's, or more was compensated than `dead_time_s` says",
@@ -63,13 +64,6 @@ pub(crate) enum TuneError {
     NoGroup { group: i16, has: Vec<i16> },
     #[error("dead time of the tappets: {one}, {other}: a dead time cannot be both")]
     TwoDeadTimes { one: SwitchingPart, other: SwitchingPart },
-    #[error(
-        "dead time of the tappets: the output of group {group} switches {count} times, from {} s to {} s after its tappets, and \
-         the master passes such a tappet every {} s: an output that switches at random looks the same. Check that this cam alone \
-         switches it, or record more switchings",
-        significant(.ends[0], 4), significant(.ends[1], 4), significant(*.every_s, 4)
-    )]
-    Random { group: i16, count: usize, ends: [f64; 2], every_s: f64 },
     #[error("the smallest peak: {0}")]
     Minimise(#[source] ConstraintError),
     #[error("ramp: {0}")]
@@ -96,7 +90,7 @@ pub(crate) enum TuneError {
 impl TuneError {
     /// Whether the call is at fault, not cam or data: a limit is not given that is needed.
     pub(crate) fn is_of_call(&self) -> bool {
-        matches!(self, Self::Ramp(RampError::NoLimit { .. }))
+        matches!(self, Self::Ramp(RampError::NoLimit { .. } | RampError::Steps))
     }
 }
 

@@ -17,11 +17,10 @@ pub(crate) fn fit_run(
     using: &CamUse,
     run: &RecordedRun,
     free: Free,
-    scaling_range: f64,
     between: [Option<[f64; 2]>; 4],
 ) -> Result<Fit, TuneError> {
     let from = of_coupling(using);
-    let options = FitOptions { free, from, scaling_range, repeated: using.repeated, between };
+    let options = FitOptions { free, from, repeated: using.repeated, between };
     let samples: Vec<_> = run
         .samples
         .iter()

@@ -12,9 +12,9 @@ mod tappet_shift;
 mod unwrap;
 
 pub(crate) use constrained::{
-    Constrained, Least, RunFit, exceeds, limited, minimise, refuses, scalings, within_limits,
+    ANYTHING, Constrained, Intervals, RunFit, exceeds, limited, minimise, refuses, within_limits,
 };
-pub(crate) use correction::{Deviation, as_fitted, corrected, wanted, wants, with_exactly, within};
+pub(crate) use correction::{Deviation, as_fitted, corrected, wanted, with_exactly, within};
 pub(crate) use dead_time::run_dead_time;
 pub(crate) use error::TuneError;
 pub(crate) use from_run::{errors, fit_run, refuse_stroke, rms, rounded};
@@ -29,9 +29,6 @@ use twin_cam::tune::{RampGoal, RampIn, RampWish};
 use twin_cam::{CamTable, StartMode};
 use twin_machine::cam_file::{CamFile, WANTED};
 use twin_profile::{RampType, State};
-
-/// Time from one set-point to the next, s.
-const CYCLE_S: f64 = 1e-3;
 
 /// A start of an axis with such ramps, and what its ramp is to be best in.
 pub(crate) fn ramp_wish(
@@ -53,7 +50,7 @@ pub(crate) fn ramp_wish(
     let velocity = using.master.velocity;
     let master = State { position: master, velocity, acceleration: 0.0 };
     let (limits, position) = (using.limits.motion, using.limits.position);
-    RampWish { table, input, master, slave, limits, position, ramp, cycle_s: CYCLE_S, goal }
+    RampWish { table, input, master, slave, limits, position, ramp, goal }
 }
 
 /// The ramp that the inputs of the coupling make of a start, of which another one was found; none if they make none.

@@ -1,10 +1,9 @@
 //! Unwrap of runs that were recorded within the periods of axes: master and slave go on where their positions begin again.
 //!
-//! After what the master's positions begin again is given, or it is what they jump back by, if that is a period that a master of
-//! this cam has: whole passes of the cam, whole turns of an axis in degrees, or whole passes with the scaling in effect. A slave
-//! goes round if its axis does: with the period of the machine's axis, or of the cam's file. Whole periods of it are the same
-//! place, and so is its gain in whole passes of a master whose earlier turns are unknown: the slave is
-//! taken to be where that is nearest to its set-point.
+//! The master's period is given, or the one of this cam that its positions jump back by: whole passes of the cam, whole turns of an
+//! axis in degrees, or whole passes with the scaling in effect. The slave's is that of the machine's axis or of the cam's file. Whole
+//! periods of a slave are the same place, and so is its gain in whole passes of a master whose earlier turns are unknown: the slave
+//! is taken to be where that is nearest to its set-point.
 
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample, median, turns};
@@ -14,13 +13,11 @@ use twin_machine::axis_kind::AxisKind;
 use twin_machine::cam_file::CamFile;
 use twin_machine::cam_file::unit_fits;
 
-/// Passes or turns that a period may have.
-const MOST: u32 = 12;
-/// A jump is that of a period but for this part, and this many standard deviations of its noise.
+/// A jump of the master is that of a period but for this part, and this many standard deviations of its noise; that of a slave,
+/// which its cam accelerates, but for a larger part.
 const NEAR: f64 = 0.02;
 const NOISE: f64 = 6.0;
-/// Of several near periods the first one that is as near as this part is taken.
-const EXACT: f64 = 1e-3;
+const SLAVE_NEAR: f64 = 0.25;
 
 /// A run that goes on, and after what positions of its master and its slave began again, u.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,73 +71,33 @@ fn is_angle(scale: &twin_machine::cam_file::AxisScale) -> bool {
     !scale.unit.is_empty() && unit_fits(scale, AxisKind::Rotary)
 }
 
-/// After what the master's positions begin again, if they do by what a master of this cam has for a period.
+/// Period within which the master was recorded, if its positions jump back by one that a master of this cam has.
 fn master_period(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Option<f64> {
     let curve = file.cam.curve();
     let width = curve.end() - curve.start();
-    let jump = Jump::of(run, |sample| sample.master).filter(|_| using.repeated)?;
-    let turn = is_angle(&file.master).then_some(360.0);
+    let jump = jump(run, |sample| sample.master);
+    let turn = if is_angle(&file.master) { 360.0 } else { width };
     let scaled = width / using.coupling.input.master_scaling.abs();
-    let known = [Some(width), turn, Some(scaled)];
-    let all = known.into_iter().flatten().filter(|period| period.is_finite() && *period > 0.0);
-    let all: Vec<f64> =
-        all.flat_map(|period| (1..=MOST).map(move |times| f64::from(times) * period)).collect();
-    let off = |period: &f64| (jump.by - period).abs();
-    let exact = all.iter().find(|period| off(period) <= EXACT * **period + jump.error);
-    let near = || all.iter().min_by(|one, other| off(one).total_cmp(&off(other)));
-    let near = exact.or_else(near).copied()?;
-    (off(&near) <= NEAR * near + NOISE * run.noise() + jump.error).then_some(near)
+    let all = [width, turn, scaled].map(|period| (jump / period).round() * period);
+    let nearest = all.into_iter().min_by(|a, b| (jump - a).abs().total_cmp(&(jump - b).abs()));
+    nearest.filter(|period| {
+        let room = NEAR * period + NOISE * run.noise();
+        using.repeated && *period > 0.0 && (jump - period).abs() <= room
+    })
 }
 
-/// What positions jump back by where they begin again.
-struct Jump {
-    by: f64,
-    /// How well that is known: four standard errors.
-    error: f64,
-}
-
-impl Jump {
-    /// None if no step goes over more than half of where positions are at all.
-    fn of(run: &RecordedRun, position: fn(&RunSample) -> f64) -> Option<Self> {
-        let values: Vec<f64> = run.samples.iter().map(position).collect();
-        let steps: Vec<f64> =
-            values.iter().zip(values.iter().skip(1)).map(|(one, next)| next - one).collect();
-        let ends = [f64::INFINITY, f64::NEG_INFINITY];
-        let [least, most] = values.iter().fold(ends, |[a, b], v| [a.min(*v), b.max(*v)]);
-        let jumps = |step: &f64| step.abs() > (most - least) / 2.0;
-        // The steps on both sides.
-        let around = |index: usize| {
-            let both = [index.checked_sub(1), Some(index + 1)].into_iter().flatten();
-            let both: Vec<f64> = both
-                .filter_map(|index| steps.get(index).copied())
-                .filter(|step| !jumps(step))
-                .collect();
-            #[expect(clippy::cast_precision_loss, reason = "two at most")]
-            let count = both.len().max(1) as f64;
-            both.iter().sum::<f64>() / count
-        };
-        let all: Vec<f64> = steps
-            .iter()
-            .enumerate()
-            .filter(|(_, step)| jumps(step))
-            .map(|(index, step)| (step - around(index)).abs())
-            .collect();
-        if all.is_empty() {
-            return None;
-        }
-        let by = median(all.clone());
-        let apart = median(all.iter().map(|jump| (jump - by).abs()).collect()) / 0.6745;
-        #[expect(clippy::cast_precision_loss, reason = "a count of jumps")]
-        let error = 4.0 * apart / (all.len() as f64).sqrt();
-        Some(Self { by, error })
-    }
+/// The largest change of a step from one sample to the next: where positions begin again it is their period.
+fn jump(run: &RecordedRun, position: fn(&RunSample) -> f64) -> f64 {
+    let change = |three: &[RunSample]| match three {
+        [a, b, c] => (position(c) - 2.0 * position(b) + position(a)).abs(),
+        _ => 0.0,
+    };
+    run.samples.windows(3).map(change).fold(0.0, f64::max)
 }
 
 /// How many turns each sample of a slave is on from where it was recorded within `period`; none if it was not.
 fn slave_turns(run: &RecordedRun, period: f64) -> Option<Vec<f64>> {
-    let jump = Jump::of(run, |sample| sample.slave)?;
-    if (jump.by - period).abs() > NEAR * period + jump.error {
-        return None;
-    }
-    Some(turns(run.samples.iter().map(|sample| sample.slave), period, 0.0))
+    let jump = jump(run, |sample| sample.slave);
+    ((jump - period).abs() <= SLAVE_NEAR * period)
+        .then(|| turns(run.samples.iter().map(|sample| sample.slave), period, period / 2.0))
 }

@@ -5,7 +5,7 @@ use super::least::{Find, LeastOptions, Sought, sought};
 use super::outcome::{apply, picture};
 use super::report::Report;
 use super::start::Started;
-use super::words::{Ramp, SlaveColumn, part, start};
+use super::words::{Ramp, SlaveColumn, start};
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune;
@@ -29,10 +29,9 @@ use twin_cam::tune::Free;
 /// where they are on the master; with --slave wanted they go with the cam. Recorded outputs (columns `tappet_N`) give
 /// the dead time of what tappets switch. The master's velocity and acceleration are those of the run where none are given. Where
 /// what undoes the deviation would exceed limits of the slave's set-points, the values are those within the limits that leave the
-/// least error. Without a run what is to be found is changed by as little as keeps the limits, tappets stay where they are on the
-/// master. With --minimise, with a run or without, the slave's peak
-/// acceleration or jerk is made smallest: intervals and the limits hold offsets and scalings then, for a
-/// scaling of 0 would be the smallest.
+/// least error. Without a run what is to be found keeps the limits with the least error to the motion so far, and tappets stay where they are
+/// on the master. With --minimise the slave's peak acceleration or jerk is made smallest: intervals and the limits hold offsets and
+/// scalings then, for a scaling of 0 would be the smallest.
 /// What the data do not say, or contradict, is said and not fitted: samples that are far from the others with their lines.
 #[derive(Debug, clap::Args)]
 #[command(
@@ -60,16 +59,10 @@ pub(super) struct Arguments {
     master_period: Option<f64>,
 
     /// Parameters to find: master-offset, master-scaling, slave-offset, slave-scaling [default: both offsets with a run]. With a run
-    /// they are fitted to it, without one to the limits. NAME=FROM..TO gives an interval, like slave-scaling=0.9..1.1. In a run the
-    /// interval decides between equally good fits. With --minimise acceleration or jerk it bounds the minimisation, and a run
-    /// always determines both offsets
+    /// they are fitted to it, `MasterScaling` within 5 % of itself, without one to the limits. NAME=FROM..TO gives an interval, like
+    /// slave-scaling=0.9..1.1: in a run it decides between equally good fits, without one the value stays in it
     #[arg(long, value_name = "NAME[=FROM..TO]", value_delimiter = ',', value_parser = sought)]
     pub(super) find: Vec<Sought>,
-
-    /// `MasterScaling` is looked for within this part of itself, in a run, within the limits and for the smallest peak [default: 0.05
-    /// in a run; else as far as the limits ask for]
-    #[arg(long, value_name = "PART", value_parser = part)]
-    pub(super) scaling_range: Option<f64>,
 
     /// Where the master is when `MC_CamIn` starts, u: it has to be on the cam then (error 626) [default: that of --ramp-in, or where
     /// the --run begins if the coupling in effect starts there]
@@ -78,11 +71,11 @@ pub(super) struct Arguments {
 
     /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity. Within
     /// the limits of velocity, acceleration, position and jerk
-    #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]", allow_hyphen_values = true, value_parser = start)]
+    #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]", allow_hyphen_values = true, value_parser = start, conflicts_with_all = ["run", "find", "master_start"])]
     pub(super) ramp_in: Option<[f64; 3]>,
 
-    /// Ramps of the slave's axis, as `ramp` of a job says: with trapezoid ones its acceleration steps, which is a jerk of the
-    /// step by 1 ms; with parabolic and sigmoid ones it changes by the limit of the jerk at most, in addition to the cam's
+    /// Ramps of the slave's axis, as `ramp` of a job says: the acceleration of trapezoid ones steps, parabolic and sigmoid ones keep
+    /// the limit of the jerk together with the cam
     #[arg(
         long,
         value_name = "TYPE",
@@ -92,8 +85,8 @@ pub(super) struct Arguments {
     )]
     pub(super) ramp: Ramp,
 
-    /// The ramp takes so long at most, s, and the slave's peak acceleration is as small as can be (with --minimise jerk its peak
-    /// jerk, for which that of the slave's axis is found, too); else it is as short as the limits allow
+    /// The ramp takes so long at most, s, and its acceleration is as small as that allows (with --minimise jerk its jerk); else it
+    /// is as short as the limits allow
     #[arg(long, value_name = "S", requires = "ramp_in", value_parser = positive)]
     pub(super) within: Option<f64>,
 
@@ -143,26 +136,18 @@ Exit status:
 Examples:
   twin tune cam cam.toml --run run.csv --find master-offset,slave-offset,slave-scaling -o fit.svg
   twin tune cam cam.toml --find slave-scaling=0.9..1.1,master-scaling=0.9..1.1 --minimise jerk
-  twin tune cam cam.toml --run run.csv --find slave-scaling=0.9..1.1 --minimise acceleration
   twin tune cam cam.toml --ramp-in 0,35 --master-velocity 200 --max-velocity 900 --max-acceleration 20000";
 
 impl Arguments {
     pub(super) fn free(&self) -> Free {
         let has = |find| self.find.iter().any(|sought| sought.what == find);
-        // A run determines offsets, too, where a peak is sought: a slave that is elsewhere would have no other scaling.
-        let peak = self.least.least(&self.find).is_some();
-        let usual = (self.find.is_empty() || peak) && self.run.is_some();
+        let usual = self.find.is_empty() && self.run.is_some();
         Free {
             master_offset: usual || has(Find::MasterOffset),
             master_scaling: has(Find::MasterScaling),
             slave_offset: usual || has(Find::SlaveOffset),
             slave_scaling: has(Find::SlaveScaling),
         }
-    }
-
-    /// Where the master starts, as far as it was said.
-    fn started(&self) -> Option<f64> {
-        self.ramp_in.map(|[master, ..]| master).or(self.master_start)
     }
 
     /// Nothing that is read is overwritten but the cam itself, and that only with --write.
@@ -190,10 +175,6 @@ impl Arguments {
     fn check(&self) -> Result<(), Failure> {
         let wrong = if self.run.is_none() && self.find.is_empty() && self.ramp_in.is_none() {
             "nothing is to be found: give a recorded --run, what to --find within the limits, or a --ramp-in"
-        } else if self.ramp_in.is_some() && self.master_start.is_some() {
-            "--ramp-in MASTER,SLAVE says where the master starts, and so does --master-start: give one of them"
-        } else if self.scaling_range.is_some() && !self.free().master_scaling {
-            "--scaling-range is for --find master-scaling"
         } else {
             let ramp = [self.ramp_in.is_some(), self.within.is_some()];
             return self.least.check(&self.find, self.run.is_some(), ramp);
@@ -227,7 +208,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let (recorded, wound) = wound.map_or((None, [None; 2]), |(run, wound)| (Some(run), wound));
     let shown = recorded.as_ref().and_then(|run| tune::master_motion(&file, &before, run));
     before.master = arguments.master.motion_or(shown.unwrap_or(before.master));
-    let started = arguments.started().map(|master| (master, Started::Given)).or_else(|| {
+    let given = arguments.ramp_in.map(|[master, ..]| master).or(arguments.master_start);
+    let started = given.map(|master| (master, Started::Given)).or_else(|| {
         let of_run = recorded.as_ref().and_then(|run| run.samples.first()).map(|one| one.master);
         let starts = |master: &f64| before.starts_at(file.cam.curve(), *master);
         of_run.filter(starts).map(|master| (master, Started::Run))

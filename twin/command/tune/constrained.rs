@@ -75,7 +75,7 @@ impl Report<'_> {
     }
 
     fn held_by(&self, found: &Constrained, index: usize, otherwise: &str) -> String {
-        let held = self.said(found, &found.held[index]);
+        let held = self.said(&found.held[index]);
         if held.is_empty() {
             otherwise.to_owned()
         } else {
@@ -84,16 +84,13 @@ impl Report<'_> {
     }
 
     /// Constraints with their units.
-    fn said(&self, found: &Constrained, held: &[Bound]) -> Vec<String> {
+    fn said(&self, held: &[Bound]) -> Vec<String> {
         let [_, slave] = self.units();
         let said = |bound: &Bound| match bound {
             Bound::Limit { quantity, limit } => {
                 format!("the {quantity}, {} {}", short(*limit), self.of(*quantity))
             }
             Bound::Position { limit } => format!("the position, {} {slave}", short(*limit)),
-            Bound::Interval { end } if found.quantity.is_none() => {
-                format!("the end of --scaling-range, {}", short(*end))
-            }
             other => other.to_string(),
         };
         held.iter().map(said).collect()
@@ -102,9 +99,8 @@ impl Report<'_> {
     fn constrained_json(&self, found: &Constrained) -> Value {
         let names = self.after.coupling.numbers();
         let held = names.iter().zip(&found.held);
-        let held: Map<_, _> = held
-            .map(|((_, name, _), held)| ((*name).to_owned(), json!(self.said(found, held))))
-            .collect();
+        let held: Map<_, _> =
+            held.map(|((_, name, _), held)| ((*name).to_owned(), json!(self.said(held)))).collect();
         json!({
             "of": found.quantity.map(|quantity| format!("peak {quantity}")),
             "from": found.from, "before": found.before, "after": found.after, "held": held,

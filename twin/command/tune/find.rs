@@ -1,24 +1,20 @@
 //! Finds what `twin tune cam` is asked for, one thing after the other.
 
 use super::cam::Arguments;
-use super::least::intervals;
+use super::least::{intervals, sought_within};
 use super::report::Report;
 use super::words::SlaveColumn;
-use crate::cam::check::CamUse;
 use crate::cam::run::RecordedRun;
 use crate::cam::tune;
 use crate::cam::tune::{
-    Deviation, Least, RunFit, TuneError, errors, fit_run, limited, minimise, ramp_wish,
-    run_dead_time, within_limits,
+    Deviation, RunFit, TuneError, errors, fit_run, limited, minimise, ramp_wish, run_dead_time,
+    within_limits,
 };
 use twin_cam::file::clean;
-use twin_cam::tune::{Fit, RampGoal, ramp_in};
+use twin_cam::tune::{RampGoal, ramp_in};
 use twin_cam::{Quantity, StartMode};
 use twin_machine::cam_file::CamFile;
 use twin_profile::State;
-
-/// Within this part of itself `MasterScaling` is looked for in a run by default.
-const USUAL_RANGE: f64 = 0.05;
 
 /// Finds what the options ask for.
 pub(super) fn tuned(
@@ -28,69 +24,65 @@ pub(super) fn tuned(
     report: &mut Report<'_>,
 ) -> Result<(), TuneError> {
     let before = report.before;
-    let deviation = match recorded {
-        Some(run) => from_run(arguments, file, run, report)?,
-        None => None,
-    };
     // What was measured moves the slave, not the tappets; of a motion that was taught they are a part.
-    let held = deviation.is_some() || recorded.is_none();
-    let peak = arguments.least.least(&arguments.find);
-    // A peak is minimised within the limits itself.
-    if let (Some(run), Some(fit), None) = (recorded, report.fit, &peak) {
-        within_run(arguments, (file, run, &fit), deviation.as_ref(), report)?;
-    } else if recorded.is_none() && peak.is_none() && !arguments.find.is_empty() {
-        let range = arguments.scaling_range;
-        let (using, found) = within_limits(file, &before, arguments.free(), range)?;
-        (report.after, report.within) = (using, Some(found));
-    }
-    if let Some(least) = peak {
-        // From where the slave does the wanted motion.
-        let corrected = report.after;
-        let least = arguments.within_range(least, &before, &corrected);
-        let (mut after, found) = minimise(file, &corrected, &least)?;
-        if let Some(deviation) = &deviation {
-            after.coupling.wanted = tune::wants(deviation, &corrected, &after);
+    let mut held = true;
+    if let Some(run) = recorded {
+        let deviation = from_run(arguments, file, run, report)?;
+        held = deviation.is_some();
+        within_run(arguments, (file, run), deviation.as_ref(), report)?;
+    } else if !arguments.find.is_empty() {
+        let sought = sought_within(&arguments.find);
+        if let Some(quantity) = arguments.least.quantity() {
+            let (after, found) = minimise(file, &before, quantity, sought)?;
+            (report.after, report.least) = (after, Some(found));
+        } else {
+            let (after, found) = within_limits(file, &before, sought)?;
+            (report.after, report.within) = (after, Some(found));
         }
-        report.after = after;
-        report.least = Some(found);
     }
     if held {
         report.kept = tune::keep_tappets(file, &before, &report.after)?.map(Box::new);
     }
-    let moved = report.kept.as_ref().map(|kept| kept.file.clone());
-    let file = moved.as_ref().unwrap_or(file);
     report.fold();
-    if let Some([master, position, velocity]) = arguments.ramp_in {
-        let slave = State { position, velocity, acceleration: 0.0 };
-        let least = arguments.least.quantity().unwrap_or(Quantity::Acceleration);
-        let goal = arguments
-            .within
-            .map_or(RampGoal::Soonest, |within_s| RampGoal::Gentlest { within_s, least });
-        let wish = ramp_wish(file, &report.after, master, slave, (arguments.ramp.into(), goal));
-        let found = ramp_in(&wish)?;
-        report.start = Some(Box::new(wish));
-        let input = &mut report.after.coupling.input;
-        input.velocity_difference = clean(found.velocity_difference);
-        input.acceleration = clean(found.acceleration);
-        input.deceleration = clean(found.deceleration);
-        if matches!(input.start_mode, StartMode::Absolute | StartMode::Relative) {
-            input.start_mode = StartMode::RampIn;
-        }
-        report.ramp = Some((arguments.ramp.into(), found));
+    arguments.ramp_in.map_or(Ok(()), |start| onto_cam(arguments, file, start, report))
+}
+
+/// Finds the ramp of a start: where the master is, where the slave is, and its velocity.
+fn onto_cam(
+    arguments: &Arguments,
+    file: &CamFile,
+    [master, position, velocity]: [f64; 3],
+    report: &mut Report<'_>,
+) -> Result<(), TuneError> {
+    let slave = State { position, velocity, acceleration: 0.0 };
+    let least = arguments.least.quantity().unwrap_or(Quantity::Acceleration);
+    let goal = arguments
+        .within
+        .map_or(RampGoal::Soonest, |within_s| RampGoal::Gentlest { within_s, least });
+    let wish = ramp_wish(file, &report.after, master, slave, (arguments.ramp.into(), goal));
+    let found = ramp_in(&wish)?;
+    report.start = Some(Box::new(wish));
+    let input = &mut report.after.coupling.input;
+    input.velocity_difference = clean(found.velocity_difference);
+    input.acceleration = clean(found.acceleration);
+    input.deceleration = clean(found.deceleration);
+    if matches!(input.start_mode, StartMode::Absolute | StartMode::Relative) {
+        input.start_mode = StartMode::RampIn;
     }
+    report.ramp = Some((arguments.ramp.into(), found));
     Ok(())
 }
 
 /// What the limits leave of the fit of a run.
 fn within_run(
     arguments: &Arguments,
-    (file, run, fit): (&CamFile, &RecordedRun, &Fit),
+    (file, run): (&CamFile, &RecordedRun),
     deviation: Option<&Deviation>,
     report: &mut Report<'_>,
 ) -> Result<(), TuneError> {
+    let Some(fit) = report.fit else { return Ok(()) };
     let (before, proposed) = (report.before, report.after);
-    let scaling_range = arguments.scaling_range;
-    let run_fit = RunFit { before: &before, proposed: &proposed, fit, deviation, scaling_range };
+    let run_fit = RunFit { before: &before, proposed: &proposed, fit: &fit, deviation };
     if let Some((after, found)) = limited(file, &run_fit, run, arguments.free())? {
         (report.after, report.limited) = (after, Some(found));
         // Limits have no intervals.
@@ -115,10 +107,10 @@ fn from_run(
     // The slave does the wanted motion but for the unknowns.
     let reference = if measured { tune::wanted(&before) } else { before };
     report.error_before = Some(tune::rms(&errors(file, &reference, run)));
-    let range = arguments.scaling_range.unwrap_or(USUAL_RANGE);
-    let found = fit_run(file, &reference, run, arguments.free(), range, arguments.between())?;
-    let [.., said] = intervals(&arguments.find);
-    if measured && said.is_none() {
+    let between = intervals(&arguments.find);
+    let found = fit_run(file, &reference, run, arguments.free(), between)?;
+
+    if measured && between[3].is_none() {
         tune::refuse_stroke(&reference, &found)?;
     }
     let did = tune::as_fitted(&before, &found);
@@ -152,21 +144,4 @@ fn from_run(
         }
     }
     Ok(deviation)
-}
-
-impl Arguments {
-    /// Intervals of the values of a fit; with a peak to be smallest intervals are for that.
-    fn between(&self) -> [Option<[f64; 2]>; 4] {
-        if self.least.quantity().is_some() { [None; 4] } else { intervals(&self.find) }
-    }
-
-    /// `MasterScaling` without an interval of its own stays within the range that was said.
-    fn within_range(&self, mut least: Least, before: &CamUse, corrected: &CamUse) -> Least {
-        let [_, scaling, ..] = &mut least.sought;
-        let anything = scaling.filter(|[low, high]| low.is_infinite() && high.is_infinite());
-        if self.scaling_range.is_some() && anything.is_some() {
-            *scaling = Some(tune::scalings(self.scaling_range, before, corrected));
-        }
-        least
-    }
 }

@@ -1,31 +1,18 @@
 //! Options: unknowns and objective.
 
-use crate::cam::tune::Least;
+use crate::cam::tune::{ANYTHING, Intervals};
 use crate::command::Failure;
 use crate::command::cam::number;
 use clap::ValueEnum;
 use twin_cam::Quantity;
 
-/// Objective.
+/// Quantity of the slave whose peak is minimised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Minimise {
-    /// The slave's error against the --run, root mean square: what a run is fitted by
-    Error,
     /// The largest acceleration of the slave
     Acceleration,
     /// The largest jerk of the slave
     Jerk,
-}
-
-impl Minimise {
-    /// The quantity whose peak it is.
-    pub(super) fn quantity(self) -> Option<Quantity> {
-        match self {
-            Self::Error => None,
-            Self::Acceleration => Some(Quantity::Acceleration),
-            Self::Jerk => Some(Quantity::Jerk),
-        }
-    }
 }
 
 /// An offset or a scaling.
@@ -72,48 +59,38 @@ pub(super) fn sought(text: &str) -> Result<Sought, String> {
 }
 
 /// Intervals of the unknowns, in the order of the inputs.
-pub(super) fn intervals(find: &[Sought]) -> [Option<[f64; 2]>; 4] {
+pub(super) fn intervals(find: &[Sought]) -> Intervals {
     NAMES.map(|(_, what)| find.iter().find(|sought| sought.what == what)?.between)
 }
 
-/// Objective, and the constraints of offsets and scalings.
+/// The same, of unknowns without an interval everything.
+pub(super) fn sought_within(find: &[Sought]) -> Intervals {
+    NAMES.map(|(_, what)| {
+        let found = find.iter().find(|sought| sought.what == what)?;
+        Some(found.between.unwrap_or(ANYTHING))
+    })
+}
+
+/// Objective: the peak to minimise.
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "What is to be smallest")]
+#[command(next_help_heading = "Smallest peak")]
 pub(super) struct LeastOptions {
-    /// The slave's error against a --run (the default with one), or the peak of its acceleration or jerk at the master's motion.
-    /// With --ramp-in and --within the peak until the slave is on its cam
+    /// Make the slave's peak acceleration or jerk smallest, at the master's motion: with --find that of the cam, with --ramp-in and
+    /// --within that of the start
     ///
     /// The peak grows with both scalings, and would be 0 with a scaling of 0: intervals of --find and the limits hold them. The
-    /// result says which of these does. With a --run the slave's deviation is undone first, by both offsets and what
-    /// --find names: from there the peak is made smaller, at the velocity and acceleration that the master has in the run. What the
-    /// slave does then is what is wanted of it from now on (`wanted_…`).
-    #[arg(long, value_enum)]
+    /// result says which of these does.
+    #[arg(long, value_enum, conflicts_with = "run")]
     minimise: Option<Minimise>,
 }
 
 impl LeastOptions {
     /// The quantity whose peak is to be smallest.
     pub(super) fn quantity(&self) -> Option<Quantity> {
-        self.minimise.and_then(Minimise::quantity)
-    }
-
-    /// Whether the unknowns change a peak: a scaling does. Offsets that have an interval are to be in it, too.
-    fn seeks(find: &[Sought]) -> bool {
-        find.iter().any(|sought| match sought.what {
-            Find::MasterScaling | Find::SlaveScaling => true,
-            Find::MasterOffset | Find::SlaveOffset => sought.between.is_some(),
+        self.minimise.map(|minimise| match minimise {
+            Minimise::Acceleration => Quantity::Acceleration,
+            Minimise::Jerk => Quantity::Jerk,
         })
-    }
-
-    /// The peak to minimise; none for the error or nothing.
-    pub(super) fn least(&self, find: &[Sought]) -> Option<Least> {
-        let quantity = self.quantity().filter(|_| Self::seeks(find))?;
-        let anything = [f64::NEG_INFINITY, f64::INFINITY];
-        let sought = NAMES.map(|(_, what)| {
-            let found = find.iter().find(|sought| sought.what == what)?;
-            Some(found.between.unwrap_or(anything))
-        });
-        Some(Least { quantity, sought })
     }
 
     /// Refuses options without effect; of a ramp, whether there is one, and whether it has a time.
@@ -124,20 +101,11 @@ impl LeastOptions {
         [ramps, within]: [bool; 2],
     ) -> Result<(), Failure> {
         let has = |what| find.iter().any(|sought| sought.what == what);
-        let peak = self.quantity().is_some();
+        let peak = self.minimise.is_some();
         let scaling = has(Find::MasterScaling) || has(Find::SlaveScaling);
-        let offsets_alone = !find.is_empty() && !scaling;
-        // A run determines them, and a ramp has a peak of its own.
-        let of_ramp = with_run && within;
-        let wrong = if self.minimise == Some(Minimise::Error) && !with_run {
-            "--minimise error needs a --run, against which the slave has an error"
-        } else if find.iter().any(|sought| sought.between.is_some()) && !(peak || with_run) {
-            "an interval of --find is for --minimise acceleration and jerk, or for a --run"
-        } else if peak && find.is_empty() && !within {
-            "--minimise acceleration and jerk need what to --find, or a --ramp-in with --within: a ramp without it is as short as the limits allow"
-        } else if peak && ramps && !within {
+        let wrong = if peak && ramps && !within {
             "--ramp-in without --within is as short as the limits allow and minimises nothing"
-        } else if peak && offsets_alone && !of_ramp {
+        } else if peak && !ramps && !scaling {
             "offsets alone change no peak: --find a scaling"
         } else if !peak && !with_run && has(Find::MasterOffset) {
             "no limit depends on MasterOffset: a --run determines it"

@@ -15,22 +15,16 @@ impl Report<'_> {
                 RampType::Sigmoid => ("sigmoid", Some(ramp.ramp_jerk)),
                 RampType::Parabolic => ("parabolic", Some(ramp.ramp_jerk)),
             };
-            let how = match jerk {
-                None => "as its acceleration steps within a millisecond",
-                Some(_) => "with the cam's own jerk",
-            };
-            let [duration, v, a, j, of_cam] = [
-                ramp.duration_s,
-                ramp.peak_velocity,
-                ramp.peak_acceleration,
-                ramp.peak_jerk,
-                ramp.peak_cam_jerk,
-            ]
-            .map(short);
+            let [duration, v, a, j] =
+                [ramp.duration_s, ramp.peak_velocity, ramp.peak_acceleration, ramp.peak_jerk]
+                    .map(short);
             let [low, high] = ramp.positions.map(|position| self.slave(position));
+            let j = match jerk {
+                Some(_) => format!("{v} {slave}/s, {a} {slave}/s² and {j} {slave}/s³ at most"),
+                None => format!("{v} {slave}/s and {a} {slave}/s²"),
+            };
             text.push(format!(
-                "ramp: on the cam after {duration} s; the slave reaches {v} {slave}/s, {a} {slave}/s² and, {how}, {j} {slave}/s³ \
-                 (the cam alone {of_cam}), and goes from {low} to {high} {slave}"
+                "ramp: on the cam after {duration} s; the slave reaches {j}, and goes from {low} to {high} {slave}"
             ));
             let limit = self.before.limits.motion.jerk * (1.0 - 1e-6);
             text.extend(jerk.filter(|jerk| *jerk < limit).map(|jerk| {
@@ -44,7 +38,7 @@ impl Report<'_> {
                 "velocity_difference": ramp.velocity_difference, "acceleration": ramp.acceleration,
                 "deceleration": ramp.deceleration, "duration_s": ramp.duration_s,
                 "peak_velocity": ramp.peak_velocity, "peak_acceleration": ramp.peak_acceleration,
-                "peak_jerk": ramp.peak_jerk, "peak_cam_jerk": ramp.peak_cam_jerk, "ramp": name,
+                "peak_jerk": jerk.map(|_| ramp.peak_jerk), "ramp": name,
                 "axis_jerk": jerk, "position_min": ramp.positions[0], "position_max": ramp.positions[1],
             })
         });

@@ -1,7 +1,6 @@
 //! Options: words and lists of numbers, and what they say.
 
 use super::list;
-use crate::command::cam::positive;
 use clap::ValueEnum;
 use twin_profile::RampType;
 
@@ -26,11 +25,6 @@ impl From<Ramp> for RampType {
             Ramp::Parabolic => Self::Parabolic,
         }
     }
-}
-
-pub(super) fn part(text: &str) -> Result<f64, String> {
-    let part = positive(text)?;
-    if part < 1.0 { Ok(part) } else { Err(format!("{part} is not less than 1")) }
 }
 
 pub(super) fn start(text: &str) -> Result<[f64; 3], String> {

@@ -70,6 +70,8 @@ struct Run {
     without_power: u32,
     /// The block that has taken the axis in this cycle, and may have ended already.
     taker: Option<usize>,
+    /// The block that has commanded the axis first in this cycle.
+    first: Option<usize>,
     /// State in which a block has released the axis in this cycle.
     ended: Option<State>,
     /// Acceleration of a follower of the master's positions from the master's change of velocity, u/s².
@@ -104,6 +106,7 @@ impl Run {
             around,
             without_power: 0,
             taker: None,
+            first: None,
             ended: None,
             followed: 0.0,
             resets: 0,
@@ -129,6 +132,7 @@ impl Run {
     fn cycle(&mut self, checker: &mut Checker, spoil: &mut Spoil<'_>) -> Checked {
         let was_moving = self.mover();
         self.taker = None;
+        self.first = None;
         self.ended = None;
         self.disturb();
         self.axis.begin_cycle(&self.drive.feedback());
@@ -216,6 +220,9 @@ impl Run {
             let was_owned = [self.axis.owner(), self.axis.overlay_owner];
             self.axis.commands = [0; 2];
             let mut shown = block.call(execute, random, &mut self.axis, &self.lead.rig.axis);
+            if self.axis.commands[0] > 0 {
+                self.first.get_or_insert(index);
+            }
             let name = block.name();
             let watched = block.watch(shown, &self.axis, &self.lead.rig.axis);
             watched.map_err(|what| format!("{name}: {what}"))?;
@@ -288,7 +295,26 @@ impl Run {
         if self.axis.braking.is_some() {
             return Promise::USUAL;
         }
-        of(self.taker).or(now).or(before).unwrap_or(Promise::USUAL)
+        let promise = of(self.taker).or(now).or(before).unwrap_or(Promise::USUAL);
+        // A cam takes over from where another block has moved the slave in this cycle, and who begins after the end of another one
+        // goes on from there: the set-point is that of the other one.
+        let cam = self.taker.is_some_and(|index| self.blocks[index].name().contains("CamIn"));
+        let other = of(self.first.filter(|_| cam || self.ended.is_some()));
+        match (promise, other) {
+            (Promise::OnCam { rate, jerk, steps }, Some(Promise::Limits(other))) => {
+                let rate = rate.max(other.acceleration).max(other.deceleration);
+                Promise::OnCam { rate, jerk: jerk.max(other.jerk), steps }
+            }
+            (Promise::Limits(own), Some(Promise::Limits(other))) => {
+                Promise::Limits(twin_profile::AxisLimits {
+                    velocity: own.velocity.max(other.velocity),
+                    acceleration: own.acceleration.max(other.acceleration),
+                    deceleration: own.deceleration.max(other.deceleration),
+                    jerk: own.jerk.max(other.jerk),
+                })
+            }
+            _ => promise,
+        }
     }
 }
 

@@ -1,10 +1,10 @@
-//! Constrained fit of offsets and scalings: the least error against samples, the least change, or the least peak of the slave.
+//! Constrained fit of offsets and scalings: the least error against samples, or the least peak of the slave.
 //!
 //! With y from least to greatest the slave lies between `SlaveScaling` · y + `SlaveOffset` of both, and its velocity, acceleration
 //! and jerk are |`SlaveScaling`| · P(`MasterScaling`, `MasterOffset`) with the exact peaks P of the curve. So for given values of
 //! the master all constraints are linear in those of the slave, whose best values follow exactly
-//! (`motion/cam/tune/constrained/region.rs`). The smallest peak has the smallest `MasterScaling`; for the least error and the least
-//! change the values of the master are searched (`motion/cam/tune/constrained/search.rs`).
+//! (`motion/cam/tune/constrained/region.rs`). The smallest peak has the smallest `MasterScaling`; for the least error the
+//! values of the master are searched (`motion/cam/tune/constrained/search.rs`).
 
 mod region;
 mod search;
@@ -28,9 +28,6 @@ use region::{End, Quadratic};
 pub enum Objective<'a> {
     /// The weighted root mean square of the error against samples.
     Error(&'a [Sample]),
-    /// The root of the sum of the squares of the changes: of the scalings as parts of themselves, of `SlaveOffset` as a part of the
-    /// slave's stroke. `MasterOffset` stays.
-    Change,
     /// The peak of a quantity of the slave.
     Peak(Quantity),
 }
@@ -204,10 +201,6 @@ impl Problem<'_> {
         let [offset, scaling, shift, factor] = *values;
         match self.objective {
             Objective::Peak(quantity) => self.peak(scaling, quantity) * factor.abs(),
-            Objective::Change => {
-                let change = self.changes(values).iter().map(|by| by * by).sum::<f64>();
-                change.sqrt()
-            }
             Objective::Error(samples) => {
                 let (mut sum, mut weights) = (0.0, 0.0);
                 for s in samples {
@@ -229,22 +222,6 @@ impl Problem<'_> {
     /// Whether limits of the position count: a slave that gains in every pass goes everywhere.
     fn has_position(&self) -> bool {
         !self.wish.repeated || self.curve.rise() == 0.0
-    }
-
-    /// How far the slave goes, as that of a change of its offset is a part.
-    fn stroke(&self) -> f64 {
-        let stroke = (self.ends[1] - self.ends[0]) * self.wish.from[3].abs();
-        if stroke > 0.0 { stroke } else { 1.0 }
-    }
-
-    /// How much `MasterScaling`, `SlaveOffset` and `SlaveScaling` change.
-    fn changes(&self, values: &Values) -> [f64; 3] {
-        let [_, scaling, shift, factor] = self.wish.from;
-        [
-            (values[1] - scaling) / scaling,
-            (values[2] - shift) / self.stroke(),
-            (values[3] - factor) / factor,
-        ]
     }
 
     /// Whether all limits and the interval of `MasterScaling` are kept but for rounding.
@@ -360,14 +337,6 @@ impl Problem<'_> {
                 let by = end.into_iter().flat_map(|end| end.by).flatten().collect();
                 ([shift, factor], factor.abs() * self.peak(scaling, quantity), by)
             }
-            Objective::Change => {
-                let units = [self.wish.from[3], self.stroke()].map(|unit| unit.powi(-2));
-                let slope = [-factor * units[0], -shift * units[1]];
-                let of = Quadratic { slope, curve: [units[0], 0.0, units[1]] };
-                let (values, by) = Self::least(&region, &of, ends)?;
-                let all = [offset, scaling, values[0], values[1]];
-                (values, self.changes(&all).iter().map(|by| by * by).sum(), by)
-            }
             Objective::Error(samples) => {
                 let places =
                     samples.iter().map(|s| (s, self.at(s.master * scaling + offset).position));
@@ -471,7 +440,7 @@ fn check(
     // Peaks of limited quantities, and the one that is to be small, have to be finite.
     let limits = match objective {
         Objective::Peak(of) => wish.limits.with(of, wish.limits.of(of).min(f64::MAX)),
-        Objective::Error(_) | Objective::Change => wish.limits,
+        Objective::Error(_) => wish.limits,
     };
     curve.refuse_jumps(&limits, wish.repeated)?;
     let MasterMotion { velocity, acceleration, jerk } = wish.master;

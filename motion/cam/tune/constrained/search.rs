@@ -70,11 +70,7 @@ impl Problem<'_> {
         let end = ends.into_iter().find(|end| close(end.value, farthest));
         let mut place = self.allowed(self.place(&domain, found), end.filter(|_| domain.free[0]))?;
         let width = self.curve.end() - self.curve.start();
-        if matches!(self.objective, Objective::Error(_))
-            && self.wish.repeated
-            && self.curve.rise() == 0.0
-            && domain.free[1]
-        {
+        if self.wish.repeated && self.curve.rise() == 0.0 && domain.free[1] {
             // Whole passes are the same cam.
             place.values[0] -= ((place.values[0] - from[0]) / width).round() * width;
         }

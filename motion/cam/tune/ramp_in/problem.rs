@@ -1,44 +1,38 @@
-//! A start with a ramp: what values make of it, and whether that keeps the limits.
+//! A start with a ramp: what the cam leaves of the limits, and what values make of the ramp.
 
-use super::course::Way;
-use super::wish::{RampError, RampGoal, RampIn, RampWish};
-use crate::SlaveLimits;
+use super::wish::{RampError, RampIn, RampWish};
 use crate::coupling::CamCoupling;
 use crate::curve::Curve;
-use crate::ramp_in::RampIn as RampInMotion;
+use crate::polynomial::{Extremes, extremes, shifted};
 use crate::selection::{CamInput, StartMode};
-use crate::{Approach, Gap};
-use twin_profile::{AxisLimits, RampType};
+use crate::{Approach, Gap, Quantity};
+use twin_profile::{AxisLimits, RampType, State};
 
 /// Of a limit this part is rounding.
-pub(super) const ROUNDING: f64 = 1e-12;
+const ROUNDING: f64 = 1e-9;
+/// Moments at which a ramp is looked at.
+const MOMENTS: u32 = 4000;
 
 /// What a ramp is made of: velocity, acceleration, deceleration and jerk; without meaning the jerk of trapezoid ones.
-pub(in crate::tune) type Values = [f64; 4];
-
-pub(super) fn values(ramp: &RampIn) -> Values {
-    [ramp.velocity_difference, ramp.acceleration, ramp.deceleration, ramp.ramp_jerk]
-}
+type Values = [f64; 4];
 
 /// A wish, and where slave and cam are at the start.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::tune) struct Problem<'a> {
-    pub(super) wish: &'a RampWish,
-    /// `VelocityDiff` is at most this: a gentle ramp has none beyond the axis's own velocity, even where the cam comes towards the
-    /// slave, which then stays below it.
-    pub(super) most: f64,
+pub(super) struct Problem<'a> {
+    wish: &'a RampWish,
     /// Where the master is on the scale of the cam.
-    pub(super) place: f64,
+    place: f64,
     gap: Gap,
-    /// What positions are compared with, u: how far the slave is from its cam, and how far it goes on it.
-    span: f64,
 }
+
+/// Motion of a ramp: time after the start, s, and where cam and slave are then.
+pub(super) type Moment = (f64, State, State);
 
 impl<'a> Problem<'a> {
     /// # Errors
     /// [`RampError::Coupling`] if the coupling does not start.
-    pub(in crate::tune) fn new(wish: &'a RampWish) -> Result<Self, RampError> {
-        let RampWish { table, input, master, slave, limits, goal, .. } = wish;
+    pub(super) fn new(wish: &'a RampWish) -> Result<Self, RampError> {
+        let RampWish { table, input, master, slave, ramp, .. } = wish;
         let mode = match input.start_mode {
             StartMode::Absolute | StartMode::Relative => StartMode::RampIn,
             directed => directed,
@@ -46,149 +40,145 @@ impl<'a> Problem<'a> {
         let input = CamInput { start_mode: StartMode::Absolute, ..*input };
         let coupling = CamCoupling::start(table.clone(), input, master, slave, 0)?;
         let on_cam = coupling.output().slave;
+        // The acceleration of trapezoid ramps steps.
+        let steps = *ramp == RampType::Trapezoid;
         let gap = Gap {
             distance: on_cam.position - slave.position,
             velocity: slave.velocity - on_cam.velocity,
-            acceleration: slave.acceleration - on_cam.acceleration,
+            acceleration: if steps { 0.0 } else { slave.acceleration - on_cam.acceleration },
             period: table.slave_period,
             mode,
         };
-        let most = match goal {
-            RampGoal::Soonest => f64::INFINITY,
-            RampGoal::Gentlest { .. } => limits.velocity,
-        };
-        let y = table.cam.curve().extremes().position;
-        let [distance, ..] = magnitudes(&gap, false);
-        let span = distance + (y.max - y.min) * input.slave_scaling.abs();
-        Ok(Self { wish, most, place: coupling.place(), gap, span: span.max(f64::MIN_POSITIVE) })
+        Ok(Self { wish, place: coupling.place(), gap })
     }
 
-    /// The same start with another wish.
-    pub(super) fn with<'b>(&self, wish: &'b RampWish) -> Problem<'b> {
-        Problem { wish, most: self.most, place: self.place, gap: self.gap, span: self.span }
-    }
-
-    pub(super) fn curve(&self) -> &Curve {
+    fn curve(&self) -> &Curve {
         self.wish.table.cam.curve()
     }
 
     /// How fast the master moves on the scale of the cam.
-    pub(super) fn speed(&self) -> f64 {
+    fn speed(&self) -> f64 {
         self.wish.master.velocity * self.wish.input.master_scaling
     }
 
-    /// Whether the acceleration changes by a jerk, which is then one of the values.
-    pub(super) fn limited(&self) -> bool {
-        self.wish.ramp != RampType::Trapezoid
+    /// Where the cam has the slave at a time after the start, turns of a rotary slave aside.
+    pub(super) fn cam_at(&self, time_s: f64) -> State {
+        let RampWish { table, input, slave, .. } = self.wish;
+        let (factor, speed) = (input.slave_scaling, self.speed());
+        let place = self.place + speed * time_s;
+        let at = if table.periodic { self.curve().repeated(place) } else { self.curve().at(place) };
+        let shift = if table.slave_absolute { 0.0 } else { slave.position };
+        State {
+            position: at.position * factor + input.slave_offset + shift,
+            velocity: at.velocity * speed * factor,
+            acceleration: at.acceleration * speed * speed * factor,
+        }
     }
 
-    /// How far the slave is from its cam, how much faster, and by how much it is accelerated more, as magnitudes.
-    pub(super) fn gap(&self) -> [f64; 3] {
-        magnitudes(&self.gap, self.limited())
+    /// Peaks of velocity, acceleration and jerk that the cam needs on the way of the master in a time.
+    fn needed(&self, time_s: f64) -> [f64; 3] {
+        let (speed, factor, curve) = (self.speed(), self.wish.input.slave_scaling, self.curve());
+        let (width, way) = (curve.end() - curve.start(), speed * time_s);
+        let periodic = self.wish.table.periodic;
+        let at = if periodic { curve.wrap(self.place).0 } else { self.place };
+        let ways = if periodic && way.abs() >= width {
+            vec![[curve.start(), curve.end()]]
+        } else {
+            let (from, to) = (at.min(at + way), at.max(at + way));
+            // A way over the end of a periodic cam goes on at its begin, and the other way round.
+            let all = [0.0, width, -width].map(|by| [from - by, to - by]);
+            if periodic { all.to_vec() } else { vec![all[0]] }
+        };
+        let mut found = [Extremes::NONE; 3];
+        for piece in curve.pieces() {
+            for [from, to] in &ways {
+                let from = from.max(piece.start) - piece.start;
+                let to = to.min(piece.start + piece.width) - piece.start;
+                let [_, derivatives @ ..] = piece.polynomials();
+                for (found, c) in found.iter_mut().zip(derivatives).filter(|_| from <= to) {
+                    found.join(&extremes(&shifted(&c, from), to - from), 0.0);
+                }
+            }
+        }
+        [0, 1, 2].map(|index: usize| {
+            let Extremes { min, max, .. } = found[index];
+            let peak = if min <= max { min.abs().max(max.abs()) } else { 0.0 };
+            let by = [speed, speed.powi(2), speed.powi(3)][index];
+            (peak * by * factor).abs()
+        })
     }
 
-    /// What the values are at most, as logarithms.
-    pub(super) fn most_values(&self) -> Values {
-        let jerk = if self.limited() { self.wish.limits.jerk.ln() } else { f64::INFINITY };
-        [self.most.ln(), f64::INFINITY, f64::INFINITY, jerk]
+    /// What the cam leaves of the limits on the way of the master in a time.
+    pub(super) fn left(&self, time_s: f64) -> Result<Values, RampError> {
+        let mut left = [f64::INFINITY; 3];
+        for ((slot, quantity), peak) in left.iter_mut().zip(Quantity::ALL).zip(self.needed(time_s))
+        {
+            let (what, limit) = (quantity.name(), self.wish.limits.of(quantity));
+            if peak >= limit {
+                return Err(RampError::NoRoom { what, peak, limit });
+            }
+            *slot = limit - peak;
+        }
+        let [velocity, acceleration, jerk] = left;
+        Ok([velocity, acceleration, acceleration, jerk])
     }
 
-    /// No ramp is over sooner, s: with all that the axis and the motion of the cam allow.
-    pub(super) fn least_time(&self) -> f64 {
-        let [distance, velocity, _] = self.gap();
-        let [of_velocity, of_acceleration] = self.cam_peaks();
-        let most = self.wish.limits.velocity.max(self.wish.slave.velocity.abs()) + of_velocity;
-        let pull = self.wish.limits.acceleration + of_acceleration;
-        let root = (velocity * velocity + 2.0 * pull * distance).sqrt();
-        (distance / most).max(velocity / pull).max((root - velocity) / pull)
-    }
-
-    /// Largest velocity and acceleration of the cam.
-    pub(super) fn cam_peaks(&self) -> [f64; 2] {
-        let (speed, factor) = (self.speed(), self.wish.input.slave_scaling);
-        let found = self.curve().extremes();
-        [
-            (found.velocity.magnitude() * speed * factor).abs(),
-            (found.acceleration.magnitude() * speed * speed * factor).abs(),
-        ]
-    }
-
-    /// A ramp of these values, and exactly what comes of it.
-    pub(in crate::tune) fn ramp(&self, values: Values) -> Result<RampIn, RampError> {
+    /// A ramp of these values, and what comes of it.
+    pub(super) fn ramp(&self, values: Values) -> Result<RampIn, RampError> {
         let [velocity_difference, acceleration, deceleration, ramp_jerk] = values;
-        let slave = self.wish.slave;
+        let (duration_s, moments) = self.moments(values, MOMENTS)?;
+        let [.., of_cam] = self.needed(duration_s);
+        let from = self.wish.slave;
         let mut ramp = RampIn {
             velocity_difference,
             acceleration,
             deceleration,
             ramp_jerk,
-            duration_s: 0.0,
-            peak_velocity: slave.velocity.abs(),
+            duration_s,
+            peak_velocity: from.velocity.abs(),
             peak_acceleration: 0.0,
-            peak_jerk: 0.0,
-            peak_cam_jerk: 0.0,
-            positions: [slave.position; 2],
+            peak_jerk: ramp_jerk + of_cam,
+            positions: [from.position; 2],
         };
-        self.follow(&self.way(values)?, &mut ramp);
+        for (.., slave) in moments {
+            ramp.peak_velocity = ramp.peak_velocity.max(slave.velocity.abs());
+            ramp.peak_acceleration = ramp.peak_acceleration.max(slave.acceleration.abs());
+            let [least, greatest] = ramp.positions;
+            ramp.positions = [least.min(slave.position), greatest.max(slave.position)];
+        }
         Ok(ramp)
     }
 
-    /// The motion of a ramp of these values, on top of the cam's.
-    pub(super) fn way(
+    /// How long a ramp of these values takes, s, and `count` moments of it; cam positions on the turn on which a rotary slave
+    /// comes onto its cam.
+    pub(super) fn moments(
         &self,
         [velocity, acceleration, deceleration, jerk]: Values,
-    ) -> Result<Way, RampError> {
-        let RampWish { table, input, master, slave, ramp, .. } = self.wish;
-        let begin = self.gap.velocity;
-        if *ramp == RampType::Trapezoid {
-            let input = CamInput {
-                start_mode: self.gap.mode,
-                velocity_difference: velocity,
-                acceleration,
-                deceleration,
-                ..*input
-            };
-            let coupling = CamCoupling::start(table.clone(), input, master, slave, 0)?;
-            let bridge = coupling.bridge().into_iter().flat_map(RampInMotion::pieces);
-            Ok(Way::new(begin, bridge.map(|(duration, pull)| [duration, pull, 0.0, 0.0])))
+        count: u32,
+    ) -> Result<(f64, impl Iterator<Item = Moment>), RampError> {
+        let limits = AxisLimits { velocity, acceleration, deceleration, jerk };
+        let (approach, turned) = Approach::new(self.gap, limits, self.wish.ramp)?;
+        let duration_s = approach.profile().duration();
+        let problem = *self;
+        let moment = move |index: u32| {
+            let time_s = duration_s * f64::from(index) / f64::from(count);
+            let mut cam = problem.cam_at(time_s);
+            cam.position -= turned;
+            (time_s, cam, approach.at(time_s, cam).unwrap_or(cam))
+        };
+        Ok((duration_s, (0..=count).map(moment)))
+    }
+
+    /// The limit of the position that a ramp exceeds.
+    pub(super) fn beyond(&self, ramp: &RampIn) -> Option<RampError> {
+        let ([low, high], [least, greatest]) = (self.wish.position, ramp.positions);
+        let room = ROUNDING * (greatest - least + greatest.abs());
+        if least < low - room {
+            Some(RampError::Beyond { reached: least, limit: low })
+        } else if greatest > high + room {
+            Some(RampError::Beyond { reached: greatest, limit: high })
         } else {
-            let limits = AxisLimits { velocity, acceleration, deceleration, jerk };
-            let (approach, _) = Approach::new(self.gap, limits, *ramp)?;
-            Ok(Way::new(begin, approach.profile().stretches()))
+            None
         }
     }
-
-    /// By how much a ramp exceeds the limit that it exceeds most, as a part of it. The jerk is that of ramp and cam together.
-    pub(super) fn excess(&self, ramp: &RampIn) -> f64 {
-        let SlaveLimits { velocity, acceleration, jerk } = self.wish.limits;
-        // What the slave moves at from before is not the ramp's doing.
-        let velocity = velocity.max(self.wish.slave.velocity.abs());
-        let [low, high] = self.wish.position;
-        let [least, greatest] = ramp.positions;
-        let span = self.span.max(least.abs()).max(greatest.abs());
-        let axis = if self.limited() { ramp.ramp_jerk } else { 0.0 };
-        let parts = [
-            (low - least) / span,
-            (greatest - high) / span,
-            ramp.velocity_difference / self.most - 1.0,
-            axis / jerk - 1.0,
-            ramp.peak_jerk / jerk - 1.0,
-            ramp.peak_velocity / velocity - 1.0,
-            ramp.peak_acceleration / acceleration - 1.0,
-        ];
-        parts.into_iter().fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Whether a ramp keeps all limits but for rounding.
-    pub(in crate::tune) fn keeps(&self, ramp: &RampIn) -> bool {
-        self.excess(ramp) <= ROUNDING
-    }
-}
-
-/// The magnitudes of a gap, of a rotary slave on the way that is shortest; acceleration counts where the jerk is limited.
-fn magnitudes(gap: &Gap, limited: bool) -> [f64; 3] {
-    let Gap { distance, velocity, acceleration, period, .. } = *gap;
-    let turns = period.map_or(0.0, |period| (distance / period).round() * period);
-    let pull = if limited { acceleration } else { 0.0 };
-    [distance - turns, velocity, pull].map(f64::abs)
 }

@@ -1,9 +1,7 @@
 //! A ramp moment by moment, for pictures.
 
-use super::course::{Pull, Way};
-use super::problem::{Problem, values};
+use super::problem::Problem;
 use super::wish::{RampError, RampIn, RampWish};
-use crate::polynomial::value;
 use twin_profile::State;
 
 /// A moment of a start.
@@ -22,54 +20,24 @@ pub struct RampMoment {
 pub struct RampShown {
     /// When the slave is on its cam, s after the start.
     pub duration_s: f64,
-    /// What the ramp does; two moments of one time are a step of its acceleration.
+    /// What the ramp does.
     pub moments: Vec<RampMoment>,
 }
 
-/// Moments of each stretch of a ramp, and of a part of a sine.
-const MOMENTS: u16 = 60;
-const SHORT: u16 = 6;
+/// Moments of a picture.
+const MOMENTS: u32 = 500;
 
 /// Shows the ramp of a wish that has these values.
 ///
 /// # Errors
 /// [`RampError`] if the coupling does not start with them.
 pub fn ramp_shown(wish: &RampWish, ramp: &RampIn) -> Result<RampShown, RampError> {
+    let RampIn { velocity_difference, acceleration, deceleration, ramp_jerk, .. } = *ramp;
+    let values = [velocity_difference, acceleration, deceleration, ramp_jerk];
     let problem = Problem::new(wish)?;
-    let Way { mut velocity, pieces } = problem.way(values(ramp))?;
-    let from = problem.cam_at(problem.place);
-    let (mut time_s, mut gone) = (0.0, 0.0);
-    let mut moments = Vec::new();
-    for [duration, acceleration, jerk, angular] in pieces {
-        if duration <= 0.0 {
-            continue;
-        }
-        let pull = Pull { acceleration, jerk, angular };
-        let [way, v, a, _] = pull.motion(velocity, duration, 1.0);
-        // A sine has many short stretches.
-        let count = if angular > 0.0 { SHORT } else { MOMENTS };
-        moments.extend((0..=count).map(|index| {
-            let since = duration * f64::from(index) / f64::from(count);
-            let cam = problem.cam_at(problem.place + problem.speed() * (time_s + since));
-            let slave = State {
-                position: wish.slave.position + cam.position - from.position
-                    + gone
-                    + value(&way, since),
-                velocity: cam.velocity + value(&v, since),
-                acceleration: cam.acceleration + value(&a, since),
-            };
-            RampMoment { time_s: time_s + since, cam, slave }
-        }));
-        gone += value(&way, duration);
-        velocity += pull.later(duration).1;
-        time_s += duration;
-    }
-    // The cam of the turn on which the slave comes onto it.
-    let left = moments.last().map_or(0.0, |last| last.slave.position - last.cam.position);
-    for moment in &mut moments {
-        moment.cam.position += left;
-    }
-    Ok(RampShown { duration_s: time_s, moments })
+    let (duration_s, moments) = problem.moments(values, MOMENTS)?;
+    let moments = moments.map(|(time_s, cam, slave)| RampMoment { time_s, cam, slave });
+    Ok(RampShown { duration_s, moments: moments.collect() })
 }
 
 /// Where the cam of a wish has the slave at a time after the start, turns of a rotary slave aside.
@@ -77,21 +45,5 @@ pub fn ramp_shown(wish: &RampWish, ramp: &RampIn) -> Result<RampShown, RampError
 /// # Errors
 /// [`RampError`] if the coupling does not start.
 pub fn on_cam(wish: &RampWish, time_s: f64) -> Result<State, RampError> {
-    let problem = Problem::new(wish)?;
-    Ok(problem.cam_at(problem.place + problem.speed() * time_s))
-}
-
-impl Problem<'_> {
-    /// Where the cam has the slave with the master here, on its scale.
-    pub(super) fn cam_at(&self, place: f64) -> State {
-        let RampWish { table, input, slave, .. } = self.wish;
-        let at = if table.periodic { self.curve().repeated(place) } else { self.curve().at(place) };
-        let (factor, speed) = (input.slave_scaling, self.speed());
-        let shift = if table.slave_absolute { 0.0 } else { slave.position };
-        State {
-            position: at.position * factor + input.slave_offset + shift,
-            velocity: at.velocity * speed * factor,
-            acceleration: at.acceleration * speed * speed * factor,
-        }
-    }
+    Ok(Problem::new(wish)?.cam_at(time_s))
 }

@@ -9,14 +9,13 @@ use twin_profile::{ProfileError, RampType, State};
 /// What a ramp is to be best in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RampGoal {
-    /// The slave is on its cam as soon as its limits allow.
+    /// The slave is on its cam as soon as what the cam leaves of its limits allows.
     Soonest,
-    /// The largest velocity, acceleration or jerk of the slave until it is on its cam is as small as can be, and it is there
-    /// in this time.
+    /// The ramp has the smallest velocity, acceleration or jerk with which the slave is on its cam in this time.
     Gentlest {
         /// s.
         within_s: f64,
-        /// Of what the peak is to be small. For the jerk of parabolic and sigmoid ramps that of the axis is found, too.
+        /// Of what the peak is to be small; the jerk only of parabolic and sigmoid ramps.
         least: Quantity,
     },
 }
@@ -32,16 +31,13 @@ pub struct RampWish {
     pub master: State,
     /// Where the slave is at the start, and its velocity.
     pub slave: State,
-    /// The ramps of the slave's axis: [`RampType::Trapezoid`], whose acceleration steps, which is a jerk of the step by the
-    /// time of a cycle, or [`RampType::Parabolic`] or [`RampType::Sigmoid`] with the jerk of the limits.
+    /// The ramps of the slave's axis: [`RampType::Trapezoid`], whose acceleration steps, so that the limits have no jerk, or
+    /// [`RampType::Parabolic`] or [`RampType::Sigmoid`] with the jerk of the limits.
     pub ramp: RampType,
-    /// What the slave may do; velocity and acceleration finite, with parabolic and sigmoid ramps the jerk as well. `MC_CamIn`
-    /// has no input for the jerk of a ramp: the axis's own is found so that this limit holds for ramp and cam together.
+    /// What the slave may do; velocity and acceleration finite, with parabolic and sigmoid ramps the jerk as well.
     pub limits: SlaveLimits,
     /// Least and greatest position of the slave, u; infinite where there is no limit.
     pub position: [f64; 2],
-    /// Time from one set-point to the next, s.
-    pub cycle_s: f64,
     /// What the ramp is to be best in.
     pub goal: RampGoal,
 }
@@ -55,33 +51,19 @@ pub struct RampIn {
     pub acceleration: f64,
     /// `Deceleration`, u/s².
     pub deceleration: f64,
-    /// The jerk of the slave's axis that belongs to it, u/s³: that of the limits, or less where the smallest jerk is wished or the
-    /// cam needs a part of it.
-    /// Without meaning for trapezoid ramps.
+    /// The jerk of the slave's axis that belongs to it, u/s³; without meaning for trapezoid ramps.
     pub ramp_jerk: f64,
     /// When the slave is on its cam, s after the start.
     pub duration_s: f64,
-    /// The largest velocity of the slave until then, exact, u/s.
+    /// The largest velocity of the slave until then, u/s.
     pub peak_velocity: f64,
-    /// The largest acceleration of the slave until then, exact, u/s².
+    /// The largest acceleration of the slave until then, u/s².
     pub peak_acceleration: f64,
-    /// The largest jerk of the slave until then, u/s³. With trapezoid ramps the largest step of the ramp's acceleration by
-    /// the time of a cycle, and the largest jerk of the cam; with the others exact, of both together.
+    /// Jerk that the slave does not exceed until then, u/s³: that of the ramp and the largest one of the cam. Infinite with
+    /// trapezoid ramps.
     pub peak_jerk: f64,
-    /// The largest jerk of the cam alone until then, exact, u/s³.
-    pub peak_cam_jerk: f64,
-    /// Least and greatest position of the slave until then, exact, u.
+    /// Least and greatest position of the slave until then, u.
     pub positions: [f64; 2],
-}
-
-impl RampIn {
-    pub(in crate::tune) fn peak(&self, quantity: Quantity) -> f64 {
-        match quantity {
-            Quantity::Velocity => self.peak_velocity,
-            Quantity::Acceleration => self.peak_acceleration,
-            Quantity::Jerk => self.peak_jerk,
-        }
-    }
 }
 
 /// Reason why no ramp is found.
@@ -102,23 +84,27 @@ pub enum RampError {
         /// What it is.
         value: f64,
     },
-    /// No ramp keeps this limit and all others.
-    #[error("no ramp keeps the slave's {what}: it reaches {}, its limit is {}", Short(*.reached), Short(*.limit))]
+    /// A jerk limit with a ramp whose acceleration steps.
+    #[error(
+        "the acceleration of a trapezoid ramp steps, so that it has no limit of the jerk: use parabolic or sigmoid ramps"
+    )]
+    Steps,
+    /// The ramp exceeds a limit of the position.
+    #[error("the ramp takes the slave to {}, its limit of position is {}: start it elsewhere or at another place of the master",
+        Short(*.reached), Short(*.limit))]
     Beyond {
-        /// Position, velocity, acceleration or jerk.
-        what: &'static str,
-        /// The position that the soonest ramp reaches without that limit, u, or the smallest peak, u/s, u/s² or u/s³.
+        /// The position that it reaches, u.
         reached: f64,
         /// Its limit.
         limit: f64,
     },
     /// The cam leaves nothing over for a ramp.
-    #[error("the cam alone takes the slave's {what} to {}, its limit is {}: nothing is left for a ramp",
+    #[error("the cam alone takes the slave's {what} to {} on the way, its limit is {}: nothing is left for a ramp",
         Short(*.peak), Short(*.limit))]
     NoRoom {
-        /// Velocity or acceleration.
+        /// Velocity, acceleration or jerk.
         what: &'static str,
-        /// What the cam reaches, u/s or u/s².
+        /// What the cam reaches, u/s, u/s² or u/s³.
         peak: f64,
         /// Its limit.
         limit: f64,

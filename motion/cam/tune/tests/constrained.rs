@@ -31,10 +31,6 @@ fn bounded(
     constrained_fit(curve, Objective::Error(samples), wish)
 }
 
-fn nearest(curve: &Curve, wish: &Constraints) -> Result<Constrained, ConstraintError> {
-    constrained_fit(curve, Objective::Change, wish)
-}
-
 /// What a coupling makes of the master at even places of some turns.
 fn samples(curve: &Curve, [offset, scaling, shift, factor]: [f64; 4], turns: f64) -> Vec<Sample> {
     let at = |index: u32| {
@@ -143,13 +139,12 @@ fn what_leaves_nothing_is_reported() {
         (Free { master_scaling: true, ..NONE }, SlaveLimits::NONE, [0.0, 90.0], "MasterScaling"),
     ] {
         let task = Constraints { limits, position, ..wish(from, free) };
-        for found in [bounded(&curve, &samples, &task), nearest(&curve, &task)] {
-            let Err(ConstraintError::Contradictory { unknown: named, one, .. }) = found else {
-                panic!("{found:?}");
-            };
-            assert_eq!(named, unknown);
-            assert_ne!(one, Bound::Given);
-        }
+        let found = bounded(&curve, &samples, &task);
+        let Err(ConstraintError::Contradictory { unknown: named, one, .. }) = found else {
+            panic!("{found:?}");
+        };
+        assert_eq!(named, unknown);
+        assert_ne!(one, Bound::Given);
     }
 }
 
@@ -260,59 +255,6 @@ fn no_grid_finds_a_smaller_error() {
     assert!(changed > 12, "{changed}");
 }
 
-#[test]
-fn no_grid_finds_a_smaller_change() {
-    let curve = lift();
-    let mut random = Random(5);
-    let mut changed = 0;
-    for round in 0..30 {
-        let from = [0.0, 1.0, random.between(-5.0, 5.0), random.between(0.9, 1.2)];
-        let free = match round % 3 {
-            0 => SLAVE,
-            1 => Free { master_scaling: true, ..SLAVE },
-            _ => Free { master_scaling: true, slave_scaling: true, ..NONE },
-        };
-        let mut task = random_task(&mut random, &curve, from, free);
-        if round % 3 == 2 {
-            task.position = [f64::NEG_INFINITY, f64::INFINITY];
-        }
-        let found = nearest(&curve, &task).expect("a change");
-        changed += u32::from(found.values != from);
-        let [_, scaling, shift, factor] = from;
-        let change = |values: [f64; 4]| {
-            let by = [
-                values[1] / scaling - 1.0,
-                (values[2] - shift) / (100.0 * factor),
-                values[3] / factor - 1.0,
-            ];
-            by.iter().map(|by| by * by).sum::<f64>().sqrt()
-        };
-        assert!((change(found.values) - found.after).abs() < 1e-9, "{found:?}");
-        let all = [
-            [0.0, 0.0],
-            [0.5 * scaling, scaling],
-            [shift - 30.0, shift + 30.0],
-            [0.5 * factor, 1.1 * factor],
-        ];
-        refuse_better(&curve, &task, &found, all, &change);
-    }
-    assert!(changed > 20, "{changed}");
-}
-
-/// Two scalings under a limit of the acceleration alone: of s · m² = c the place next to (1, 1). With Lagrange's factor λ it is
-/// 1 − s = λ · m² and 1 − m = 2 · λ · s · m, so that (1 − m) · m = 2 · s · (1 − s).
-#[test]
-fn the_least_change_in_closed_form() {
-    let curve = lift();
-    let free = Free { master_scaling: true, slave_scaling: true, ..NONE };
-    let peak = PEAK * VELOCITY.powi(2);
-    let limits = SlaveLimits { acceleration: 0.75 * peak, ..SlaveLimits::NONE };
-    let task = Constraints { limits, ..wish([0.0, 1.0, 0.0, 1.0], free) };
-    let [_, m, _, s] = nearest(&curve, &task).expect("a change").values;
-    assert!((s * m * m - 0.75).abs() < 1e-12, "{s} {m}");
-    assert!(((1.0 - m) * m - 2.0 * s * (1.0 - s)).abs() < 1e-6, "{s} {m}");
-}
-
 /// Where the least error within the limits is that of a slave at rest, that is reported; and the offset is never further than
 /// half a turn from where it was, however little the slave moves.
 #[test]
@@ -348,16 +290,14 @@ fn the_interval_of_a_scaling_is_kept() {
     let limits = SlaveLimits { acceleration: 0.5 * peak, ..SlaveLimits::NONE };
     let both = Free { master_scaling: true, slave_scaling: true, ..NONE };
     let task = within([0.95, 1.05], Constraints { limits, ..wish(from, both) });
-    for found in [nearest(&curve, &task), bounded(&curve, &samples(&curve, from, 0.9), &task)] {
-        let found = found.expect("a change");
-        assert!(kept(&curve, &task, found.values), "{found:?}");
-        let end = found.values[1];
-        assert!((end - 0.95).abs() < 1e-12 || end > 0.95, "{found:?}");
-        let by = Bound::Interval { end: 0.95 };
-        assert_eq!(found.held[1].contains(&by), end == 0.95, "{found:?}");
-    }
-    assert_eq!(nearest(&curve, &task).expect("a change").values[1], 0.95);
+    let run = samples(&curve, from, 0.9);
+    let found = bounded(&curve, &run, &task).expect("a fit");
+    assert!(kept(&curve, &task, found.values), "{found:?}");
+    let end = found.values[1];
+    assert!((end - 0.95).abs() < 1e-12 || end > 0.95, "{found:?}");
+    let by = Bound::Interval { end: 0.95 };
+    assert_eq!(found.held[1].contains(&by), end == 0.95, "{found:?}");
     let alone = Constraints { sought: [None, task.sought[1], None, None], ..task };
-    let error = nearest(&curve, &alone).expect_err("beyond").to_string();
+    let error = bounded(&curve, &run, &alone).expect_err("beyond").to_string();
     assert!(error.contains("acceleration") && error.contains("0.95"), "{error}");
 }
