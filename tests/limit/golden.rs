@@ -1,7 +1,7 @@
 //! Solvers of `motion/planner/time_optimal` (time-optimal planning) against least times in closed form.
 
 use crate::cases::{Case, all};
-use crate::solvers::{Fineness, grid, linear, linear_windows, passes, planned};
+use crate::solvers::{Fineness, grid, passes, planned};
 
 fn without_jerk() -> impl Iterator<Item = Case> {
     all().into_iter().filter(|case| !case.jerk)
@@ -21,25 +21,6 @@ fn two_passes_lead_to_the_closed_forms() {
         });
         let error = (2.0 * found[1] - found[0]) / case.duration - 1.0;
         assert!(error.abs() < 1e-6, "{}: {error:e}", case.name);
-    }
-}
-
-/// Clarabel finds what the two passes find, all at once and in windows, and keeps the limits.
-#[test]
-fn clarabel_finds_the_profile_of_the_two_passes() {
-    for case in without_jerk() {
-        let path = case.path(1_000);
-        let grid = grid(&path, false);
-        let least = path.duration(&passes(&grid, case.ends));
-        let squared = linear(&grid, case.ends).expect("a profile");
-        let windows = case.rests().then(|| linear_windows(&grid, 300));
-        for squared in [Some(squared), windows.map(|found| found.expect("a profile"))] {
-            let Some(squared) = squared else { continue };
-            let error = path.duration(&squared) / least - 1.0;
-            assert!(error.abs() < 1e-6, "{}: {error:e}", case.name);
-            let most = path.acceleration_use(&squared);
-            assert!(most <= 1.0 + 1e-6, "{}: {most} of an acceleration limit", case.name);
-        }
     }
 }
 

@@ -10,8 +10,7 @@ use twin_path::{ElementKind, PathElement, Shape};
 use twin_planner::time_optimal::blended_path::{BlendOptions, BlendedElement};
 use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Beginning, Cap, CapSource, CellEnd, Effort, Grid,
-    LimitOptions, LinearProfile, LinearSolver, Planned, Planner, ProfileSegment, Rates,
-    SmoothProfile, SmoothSolver, reachable,
+    LimitOptions, Planned, Planner, ProfileSegment, Rates, SmoothProfile, SmoothSolver, reachable,
 };
 
 /// The path as a grid, with jerk limits or without.
@@ -43,48 +42,6 @@ pub fn grid(path: &Path, jerk: bool) -> Grid {
 /// The squared rates of two passes.
 pub fn passes(grid: &Grid, [start, end]: [f64; 2]) -> Vec<f64> {
     reachable::fastest(grid, 0..grid.cells(), start, end)
-}
-
-/// The squared rates of one program for Clarabel with limited acceleration.
-pub fn linear(grid: &Grid, ends: [f64; 2]) -> Option<Vec<f64>> {
-    Some(linear_profile(grid, ends)?.b)
-}
-
-/// As [`linear`], with how it was found.
-pub fn linear_profile(grid: &Grid, [start, end]: [f64; 2]) -> Option<LinearProfile> {
-    LinearSolver::default().solve(grid, 0..grid.cells(), start, end).ok()
-}
-
-/// The squared rates from rest to rest where Clarabel is given `window` cells at a time, each time from where the window
-/// before was left and to rest. What is kept of a window is what two passes over it that need not stop would keep, too;
-/// where that is less than half of it, it is made longer.
-pub fn linear_windows(grid: &Grid, window: usize) -> Option<Vec<f64>> {
-    let mut solver = LinearSolver::default();
-    let (mut from, mut start, mut length) = (0, 0.0, window);
-    let mut squared = vec![0.0];
-    while from < grid.cells() {
-        let cells = from..(from + length).min(grid.cells());
-        let keep = if cells.end == grid.cells() {
-            cells.len()
-        } else {
-            let [stopping, going] =
-                [0.0, f64::INFINITY].map(|end| reachable::fastest(grid, cells.clone(), start, end));
-            let pairs = stopping.iter().zip(&going);
-            let same = pairs.take_while(|(stopping, going)| **stopping >= **going * (1.0 - 1e-9));
-            // None are where not even the window as a whole is long enough to stop in.
-            same.count().saturating_sub(1)
-        };
-        if keep == 0 || 2 * keep < cells.len() {
-            length *= 2;
-            continue;
-        }
-        let profile = solver.solve(grid, cells, start, 0.0).ok()?;
-        squared.extend(&profile.b[1..=keep]);
-        start = profile.b[keep];
-        from += keep;
-        length = window;
-    }
-    Some(squared)
 }
 
 /// The profile with limited jerk from rest to rest, solved so often, each time about the solution before.

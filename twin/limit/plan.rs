@@ -200,7 +200,7 @@ impl<'m> Profile<'m> {
         self.follower.plan().effort()
     }
 
-    /// Time gained by raising each limit, the largest gain first.
+    /// Time gained by raising each limit that gains any, the largest gain first.
     pub fn changes(&self) -> Vec<Change> {
         let mut changes: Vec<Change> = Vec::new();
         for (constraint, time) in self.follower.plan().costs() {
@@ -211,6 +211,7 @@ impl<'m> Profile<'m> {
                 None => changes.push(Change { binding, gain_s }),
             }
         }
+        changes.retain(|change| change.gain_s > 0.0);
         changes.sort_by(|one, other| other.gain_s.total_cmp(&one.gain_s));
         changes
     }

@@ -58,7 +58,7 @@ pub struct LimitSummary {
     pub override_factor: f64,
     /// Gains from raising one limit, the largest first.
     pub changes: Vec<Change>,
-    /// Statistics of the convex solver.
+    /// Statistics of planning window by window.
     pub windows: Windows,
 }
 
@@ -67,7 +67,7 @@ pub struct LimitSummary {
 pub struct Change {
     /// The limit that is raised by [`Self::RAISED`].
     pub binding: Binding,
-    /// Approximate time gained, s: from the multipliers of the convex programs, as long as no other limit takes over.
+    /// Approximate time gained, s: from the derivative of the duration, as long as no other limit takes over.
     pub gain_s: f64,
 }
 
@@ -107,12 +107,12 @@ pub struct LineLoss {
     pub binding_lost_s: f64,
 }
 
-/// Statistics of the convex solver.
+/// Statistics of planning window by window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Windows {
-    /// Windows solved, or not.
+    /// Windows planned.
     pub count: u64,
-    /// Those in which it failed: feasible, but slower than need be.
+    /// Those in which the convex solver failed: feasible, but slower than need be.
     pub failed: u64,
     /// Those in which a limit is still exceeded somewhere.
     pub exceeded: u64,

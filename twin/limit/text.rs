@@ -86,8 +86,8 @@ pub fn write_summary(
     if windows.failed > 0 {
         writeln!(
             out,
-            "in {} of {} windows the solver failed; the two-pass profile replaces its plan there, or, where jerks \
-             are limited, the path brakes to rest on the previous plan",
+            "in {} of {} windows the solver failed; a slower profile replaces its plan there, or the path brakes to \
+             rest on the previous plan",
             windows.failed, windows.count
         )?;
     }

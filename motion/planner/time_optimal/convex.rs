@@ -83,20 +83,7 @@ pub(super) struct Answer {
     pub(super) x: Vec<f64>,
     /// Sensitivities: the gain in cost if a limit were larger, per part of the limit, for every row that counts.
     pub(super) gains: Vec<(Origin, f64)>,
-    /// The multipliers of all rows, in their order, and then of the cones.
-    pub(super) duals: Vec<f64>,
     pub(super) iterations: u32,
-}
-
-/// Active half plane of a solution, in one or two neighbouring variables.
-#[derive(Clone, Debug)]
-pub(super) struct Hold {
-    /// Places of its multipliers among those of an answer; they grow together.
-    pub(super) duals: std::ops::Range<usize>,
-    /// Its coefficients; where there is one, the other is 0.
-    pub(super) entries: [(usize, f64); 2],
-    /// Its multiplier.
-    pub(super) dual: f64,
 }
 
 /// Clarabel came to no answer.
@@ -122,13 +109,6 @@ impl Program {
         self.spare.clear();
         self.origins.clear();
         self.cones.clear();
-    }
-
-    /// Takes back all costs; rows stay.
-    pub(super) fn forget_costs(&mut self) {
-        for values in [&mut self.diagonal, &mut self.beside, &mut self.linear] {
-            values.fill(0.0);
-        }
     }
 
     /// Adds ½·p·x² + q·x for variable `index`.
@@ -174,39 +154,20 @@ impl Program {
         self.spare.iter().filter(below).any(|row| row.is_broken(x))
     }
 
-    /// Adds the spare rows that `x` does not keep; how many.
-    pub(super) fn add_broken(&mut self, x: &[f64]) -> usize {
-        let before = self.rows();
+    /// Adds the spare rows that `x` does not keep.
+    pub(super) fn add_broken(&mut self, x: &[f64]) {
         let (broken, spare): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.spare).into_iter().partition(|row| row.is_broken(x));
         self.spare = spare;
         for row in broken {
             self.add_row(&row.entries, row.right, row.origin);
         }
-        self.rows() - before
     }
 
     /// Deducts iterations from those that are left, where they are counted.
     pub(super) fn count_down(&mut self, iterations: u32) {
         if let Some(most) = &mut self.most_iterations {
             *most = most.saturating_sub(iterations).max(1);
-        }
-    }
-
-    /// Solves it, with as many of the spare rows as are needed.
-    ///
-    /// # Errors
-    /// As [`Self::solve`].
-    pub(super) fn solve_all(&mut self, tolerance: f64) -> Result<Answer, NotSolved> {
-        let mut iterations = 0;
-        loop {
-            let mut answer = self.solve(tolerance)?;
-            iterations += answer.iterations;
-            self.count_down(answer.iterations);
-            if self.add_broken(&answer.x) == 0 {
-                answer.iterations = iterations;
-                return Ok(answer);
-            }
         }
     }
 
@@ -221,7 +182,7 @@ impl Program {
     }
 
     /// Sensitivities of the cost to the limits, from these multipliers.
-    pub(super) fn gains(&self, duals: &[f64]) -> Vec<(Origin, f64)> {
+    fn gains(&self, duals: &[f64]) -> Vec<(Origin, f64)> {
         let rows = self.origins.iter().zip(duals).zip(&self.right);
         let of_rows = rows.map(|((origin, dual), right)| (*origin, dual * right * origin.share));
         let tops = duals.get(self.rows()..).unwrap_or_default().chunks(4);
@@ -229,35 +190,6 @@ impl Program {
             (*origin, duals.first().copied().unwrap_or_default() * origin.share)
         });
         of_rows.chain(of_cones).filter(|(_, gain)| *gain > NO_GAIN).collect()
-    }
-
-    /// Its rows, and the tangents at which its cones hold a solution with these multipliers.
-    pub(super) fn holds<'p>(&'p self, duals: &'p [f64]) -> impl Iterator<Item = Hold> + 'p {
-        let plain = self.rows();
-        let mut from = 0;
-        let rows = self.ends.iter().zip(duals).enumerate().map(move |(index, (end, dual))| {
-            let mut hold = Hold { duals: index..index + 1, entries: [(0, 0.0); 2], dual: *dual };
-            let entries = self.entries.get(from..*end).unwrap_or_default();
-            from = *end;
-            for (slot, entry) in hold.entries.iter_mut().zip(entries) {
-                *slot = *entry;
-            }
-            hold
-        });
-        let of_cones = duals.get(plain..).unwrap_or_default().chunks(4).enumerate();
-        let cones = of_cones.zip(&self.cones).filter_map(move |((index, dual), (cone, _))| {
-            let [top, along @ ..] = dual else { return None };
-            let mut entries = [(0, 0.0); 2];
-            for (row, along) in cone.rows.iter().zip(along) {
-                for (slot, (column, value)) in entries.iter_mut().zip(row) {
-                    // The multipliers of a cone are those of what is left of it: their signs are turned.
-                    *slot = (*column, slot.1 - along / top * value);
-                }
-            }
-            let first = plain + 4 * index;
-            (*top > 0.0).then_some(Hold { duals: first..first + 4, entries, dual: *top })
-        });
-        rows.chain(cones)
     }
 
     /// P as upper triangle.
@@ -376,7 +308,7 @@ impl Program {
                     && solution.x.iter().all(|value| value.is_finite()) =>
             {
                 let gains = self.gains(&solution.z);
-                Ok(Answer { x: solution.x, gains, duals: solution.z, iterations })
+                Ok(Answer { x: solution.x, gains, iterations })
             }
             status => Err(not_solved(status, iterations)),
         }

@@ -1,14 +1,14 @@
 //! Time-optimal planning (feed limiting): the fastest motion along a path under the limits of every axis.
 //!
 //! ```text
-//! CheckedElement ─ course (C²) ─ samples of the axes ─ grid, uniform in time ─ windows for Clarabel ─▶ stretches in time
+//! CheckedElement ─ course (C²) ─ samples of the axes ─ grid, uniform in time ─ windows ─▶ stretches in time
 //! ```
 //!
 //! [`blended_path`] blends the joints of the path within a tolerance. [`Grid`] holds the limits along it. [`reachable`]
-//! computes the fastest profile with limited acceleration in two passes (reachability analysis). Clarabel computes the
-//! executed profiles: [`LinearSolver`] for limited acceleration (for the values that two passes cannot prove),
-//! [`SmoothSolver`] for limited jerk as well.
+//! computes the fastest profile within velocities and accelerations in two passes (reachability analysis). Where jerk is
+//! limited as well, [`SmoothSolver`] computes it with Clarabel.
 
+mod adjoint;
 mod asked;
 mod axis_path;
 pub mod blended_path;
@@ -21,7 +21,6 @@ mod feeds;
 mod follow;
 #[expect(clippy::indexing_slicing, reason = "an axis counts below the number of the limits")]
 mod grid;
-mod linear;
 mod options;
 mod plan_executor;
 mod plane;
@@ -41,7 +40,6 @@ pub use convex::NotSolved;
 pub use drag::DragRow;
 pub use follow::{Followed, Follower, MTimes, Replan};
 pub use grid::{CellEnd, Grid};
-pub use linear::{LinearProfile, LinearSolver};
 pub use options::LimitOptions;
 pub use plan_executor::{Arrival, Lead, PlanExecutor};
 pub use planner::{Behind, Effort, Leg, LimitError, Piece, Pieces, Planned, Planner, Request};

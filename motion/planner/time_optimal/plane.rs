@@ -1,12 +1,14 @@
 //! Limits of one cell in the plane of the b at its two ends: half planes and discs, exact and robust.
 
-use super::bound::{Disc, Row};
+use super::bound::{Constraint, Disc, Row, number};
 use super::grid::{End, Grid};
 
 /// Replaces infinity where products with it must stay numbers.
 const HUGE: f64 = 1e280;
 /// Bounds that cross by less than this part of them do so by rounding.
 const CROSSED: f64 = 1e-9;
+/// A bound on x, or y = 0, counts where x is as near to it as this, in parts of x.
+const HELD: f64 = 1e-6;
 /// A coefficient that is less than so much of the other one of its row says nothing about its b.
 pub(super) const NOTHING: f64 = 1e-12;
 
@@ -40,16 +42,6 @@ impl Plane {
             self.strips.extend(axes.iter().map(turn));
             self.halves.extend(further.iter().map(turn));
             self.discs.extend(grid.disc(cell, end).map(|disc| turn_disc(disc, slope, end)));
-        }
-    }
-
-    /// Start and end in each other's place.
-    pub(super) fn swap(&mut self) {
-        for pair in self.strips.iter_mut().chain(&mut self.halves) {
-            pair.swap(0, 1);
-        }
-        for disc in &mut self.discs {
-            disc.swap(0, 1);
         }
     }
 
@@ -94,14 +86,47 @@ impl Plane {
         x.max(0.0)
     }
 
+    /// The bound on y within `cap` that counts in [`Self::largest_after`].
+    pub(super) fn bound_after(&self, x: f64, cap: f64) -> Bound {
+        self.span(x, cap).high
+    }
+
+    /// The two bounds on y that meet where x is [`Self::largest_before`]; if that is a bound on x alone, it and none.
+    pub(super) fn bounds_before(&self, x: f64, next: f64) -> [Bound; 2] {
+        if let Some((p, source)) = self.alones().find(|(p, _)| p * x >= 1.0 - HELD) {
+            let none = Bound { at: next, row: [0.0, 1.0], source: Source::Given };
+            return [Bound { at: next, row: [p, 0.0], source }, none];
+        }
+        let Span { low, high } = self.span_from(x, -HELD * x, next);
+        [low, high]
+    }
+
+    /// The limit that a bound comes from.
+    pub(super) fn constraint(&self, grid: &Grid, source: Source) -> Option<Constraint> {
+        match source {
+            Source::Given => None,
+            Source::Strip(index) => {
+                Some(Constraint::AxisAcceleration(number(index % grid.limits().len().max(1))))
+            }
+            Source::Half(index) => Some(grid.further(index % (self.halves.len() / 2).max(1))),
+            Source::Disc => Some(Constraint::ToolAcceleration),
+        }
+    }
+
     /// The largest x as far as half planes go that y has no part in.
     fn alone(&self) -> f64 {
-        let strips =
-            self.strips.iter().filter(|[p, r]| r.abs() <= NOTHING * p.abs()).map(|[p, _]| p.abs());
-        let halves =
-            self.halves.iter().filter(|[p, r]| r.abs() <= NOTHING * p.abs()).map(|[p, _]| *p);
-        let discs = self.discs.iter().map(disc_alone);
-        1.0 / strips.chain(halves).chain(discs).fold(0.0, f64::max)
+        1.0 / self.alones().map(|(p, _)| p).fold(0.0, f64::max)
+    }
+
+    /// p of the half planes that y has no part in.
+    fn alones(&self) -> impl Iterator<Item = (f64, Source)> {
+        let alone = |[p, r]: &[f64; 2]| r.abs() <= NOTHING * p.abs();
+        let strips = self.strips.iter().enumerate().filter(move |(_, row)| alone(row));
+        let halves = self.halves.iter().enumerate().filter(move |(_, row)| alone(row));
+        strips
+            .map(|(index, [p, _])| (p.abs(), Source::Strip(index)))
+            .chain(halves.map(|(index, [p, _])| (*p, Source::Half(index))))
+            .chain(self.discs.iter().map(|disc| (disc_alone(disc), Source::Disc)))
     }
 
     /// The y that go with x, from 0 to `cap` at most.
@@ -114,9 +139,11 @@ impl Plane {
     #[inline]
     fn span_from(&self, x: f64, least: f64, cap: f64) -> Span {
         // 0 ≤ y as a row is y ≥ −1/HUGE, and y ≤ cap may have to be y ≤ 1/HUGE.
-        let mut low = Bound { at: least, row: [0.0, -HUGE] };
-        let mut high = Bound { at: cap, row: [0.0, (1.0 / cap).min(HUGE)] };
-        for &[p, r] in &self.strips {
+        let source = Source::Given;
+        let mut low = Bound { at: least, row: [0.0, -HUGE], source };
+        let mut high = Bound { at: cap, row: [0.0, (1.0 / cap).min(HUGE)], source };
+        for (index, &[p, r]) in self.strips.iter().enumerate() {
+            let source = Source::Strip(index);
             if r.abs() <= NOTHING * p.abs() {
                 continue;
             }
@@ -124,18 +151,19 @@ impl Plane {
             let (middle, half, p, r) =
                 if r > 0.0 { (-p * x * half, half, p, r) } else { (-p * x * half, -half, -p, -r) };
             if middle + half < high.at {
-                high = Bound { at: middle + half, row: [p, r] };
+                high = Bound { at: middle + half, row: [p, r], source };
             }
             if middle - half > low.at {
-                low = Bound { at: middle - half, row: [-p, -r] };
+                low = Bound { at: middle - half, row: [-p, -r], source };
             }
         }
-        for &[p, r] in &self.halves {
+        for (index, &[p, r]) in self.halves.iter().enumerate() {
+            let source = Source::Half(index);
             let at = (1.0 - p * x) / r;
             if r > 0.0 && at < high.at {
-                high = Bound { at, row: [p, r] };
+                high = Bound { at, row: [p, r], source };
             } else if r < 0.0 && at > low.at {
-                low = Bound { at, row: [p, r] };
+                low = Bound { at, row: [p, r], source };
             }
         }
         for disc in &self.discs {
@@ -147,9 +175,23 @@ impl Plane {
 
 /// A bound on y, and the half plane that gives it.
 #[derive(Clone, Copy, Debug)]
-struct Bound {
+pub(super) struct Bound {
     at: f64,
-    row: [f64; 2],
+    pub(super) row: [f64; 2],
+    pub(super) source: Source,
+}
+
+/// Source of a bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Source {
+    /// The bound is given.
+    Given,
+    /// The strip of this number.
+    Strip(usize),
+    /// The half plane of this number.
+    Half(usize),
+    /// A disc.
+    Disc,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -214,9 +256,9 @@ fn disc_span(disc: &[[f64; 3]; 2], x: f64, low: &mut Bound, high: &mut Bound) {
         [dot(&v, p) * scale, dot(&v, r) * scale]
     };
     if middle + half < high.at {
-        *high = Bound { at: middle + half, row: tangent(middle + half) };
+        *high = Bound { at: middle + half, row: tangent(middle + half), source: Source::Disc };
     }
     if middle - half > low.at {
-        *low = Bound { at: middle - half, row: tangent(middle - half) };
+        *low = Bound { at: middle - half, row: tangent(middle - half), source: Source::Disc };
     }
 }

@@ -38,17 +38,6 @@ pub(super) fn controllable(grid: &Grid, cells: Range<usize>, end: f64) -> Vec<f6
     b
 }
 
-/// Upper bounds on b at every node of `cells`, for any profile from `start` (exactly) to `end` (at most): what can be reached
-/// from the start, and from where the end can be met.
-pub(super) fn bounds(grid: &Grid, cells: Range<usize>, start: f64, end: f64) -> Vec<f64> {
-    let mut b = controllable(grid, cells.clone(), end);
-    if let Some(first) = b.first_mut() {
-        *first = first.min(start);
-    }
-    pass(grid, cells, Pass::Onwards, &mut b);
-    b
-}
-
 /// The smallest b at every node of `cells` that braking can bring about from `start`, and where the path then rests: that node's
 /// cell and the part of its length. From there on b is 0.
 pub(super) fn slowest(
@@ -92,8 +81,6 @@ pub fn duration(grid: &Grid, cells: Range<usize>, b: &[f64]) -> f64 {
 enum Pass {
     /// To what goes with some b at the end, up to that which is there.
     Backwards,
-    /// To what goes with some b at the start, up to that which is there.
-    Onwards,
     /// To what goes with b at the start as it is: it has to hold what can be met later.
     Forwards,
 }
@@ -125,14 +112,6 @@ fn through<const AXES: usize>(grid: &Grid, cells: Range<usize>, pass: Pass, b: &
                 *slot = next;
             }
         }
-        Pass::Onwards => {
-            let mut iter = b.iter_mut();
-            let Some(mut here) = iter.next().copied() else { return };
-            for (cell, slot) in cells.zip(iter) {
-                here = step.behind::<AXES>(cell, *slot, here);
-                *slot = here;
-            }
-        }
         Pass::Forwards => {
             let mut iter = b.iter_mut();
             let Some(mut here) = iter.next().copied() else { return };
@@ -146,34 +125,19 @@ fn through<const AXES: usize>(grid: &Grid, cells: Range<usize>, pass: Pass, b: &
 
 /// Takes one cell after the other. `AXES` is the number of axes of the grid, or 0.
 #[derive(Debug)]
-pub(super) struct Step<'g> {
+struct Step<'g> {
     grid: &'g Grid,
     plane: Plane,
 }
 
-impl<'g> Step<'g> {
-    pub(super) fn new(grid: &'g Grid) -> Self {
-        Self { grid, plane: Plane::default() }
-    }
-
+impl Step<'_> {
     /// The largest b within `cap` at the start of the cell that goes with some b from 0 to `next` at its end.
     #[inline]
-    pub(super) fn before<const AXES: usize>(&mut self, cell: usize, cap: f64, next: f64) -> f64 {
+    fn before<const AXES: usize>(&mut self, cell: usize, cap: f64, next: f64) -> f64 {
         let reach = Reach::of::<AXES, false>(self.grid, cell, next);
         reach.and_then(|reach| reach.largest(cap)).unwrap_or_else(|| {
             self.plane.set(self.grid, cell);
             self.plane.largest_before(cap, next)
-        })
-    }
-
-    /// The largest b within `cap` at the end of the cell that goes with some b from 0 to `here` at its start.
-    #[inline]
-    pub(super) fn behind<const AXES: usize>(&mut self, cell: usize, cap: f64, here: f64) -> f64 {
-        let reach = Reach::of::<AXES, true>(self.grid, cell, here);
-        reach.and_then(|reach| reach.largest(cap)).unwrap_or_else(|| {
-            self.plane.set(self.grid, cell);
-            self.plane.swap();
-            self.plane.largest_before(cap, here)
         })
     }
 

@@ -3,7 +3,7 @@
 use crate::curves::Curve;
 use crate::machines::Machine;
 use crate::path::{Path, Rates};
-use crate::solvers::{Fineness, grid, linear_profile, linear_windows, passes, planned};
+use crate::solvers::{Fineness, grid, passes, planned};
 use twin_planner::time_optimal::Grid;
 
 /// A path on a grid, and between its nodes.
@@ -23,8 +23,6 @@ pub struct Found {
     pub cells: usize,
     /// Windows without an answer.
     pub failed: u64,
-    /// Nodes whose b was left to Clarabel, where that is known: the others are proved.
-    pub left: Option<usize>,
 }
 
 /// One way to limit a path.
@@ -33,79 +31,41 @@ pub struct Method {
     pub name: &'static str,
     /// True if the rows are those of the peer: velocity and acceleration on the same grid.
     pub same: bool,
-    /// The method that does the same in one window over the whole path.
-    pub whole: Option<&'static str>,
     /// True if jerk is limited.
     pub jerk: bool,
     /// From rest to rest.
     pub run: fn(&Problem<'_>) -> Option<Found>,
 }
 
-/// Cells per window at first.
-const WINDOW: usize = 500;
 /// Refinement of the planner's grid that is taken to lead to the least time.
 const FINER: f64 = 4.0;
 
-const WHOLE: &str = "Clarabel, one window";
-
 /// All that are compared.
-pub const METHODS: [Method; 6] = [
+pub const METHODS: [Method; 4] = [
     Method {
         name: "two passes, grid given",
         same: true,
-        whole: None,
         jerk: false,
-        run: |problem| {
-            let duration = problem.path.duration(&passes(problem.grid, [0.0; 2]));
-            Some(Found { duration, cells: problem.path.cells(), failed: 0, left: None })
-        },
+        run: |problem| Some(by_passes(problem.path, problem.grid)),
     },
     Method {
         name: "two passes",
         same: true,
-        whole: None,
         jerk: false,
-        run: |problem| on_grid(problem, |path| Some(passes(&grid(path, false), [0.0; 2]))),
+        run: |problem| Some(by_passes(problem.path, &grid(problem.path, false))),
     },
-    Method {
-        name: WHOLE,
-        same: true,
-        whole: None,
-        jerk: false,
-        run: |problem| {
-            let profile = linear_profile(&grid(problem.path, false), [0.0; 2])?;
-            let duration = problem.path.duration(&profile.b);
-            let left = Some(profile.variables);
-            Some(Found { duration, cells: problem.path.cells(), failed: 0, left })
-        },
-    },
-    Method {
-        name: "Clarabel, windows",
-        same: true,
-        whole: Some(WHOLE),
-        jerk: false,
-        run: |problem| on_grid(problem, |path| linear_windows(&grid(path, false), WINDOW)),
-    },
-    Method {
-        name: "planner",
-        same: false,
-        whole: None,
-        jerk: false,
-        run: |problem| by_planner(problem, false),
-    },
+    Method { name: "planner", same: false, jerk: false, run: |problem| by_planner(problem, false) },
     Method {
         name: "planner with jerk",
         same: false,
-        whole: None,
         jerk: true,
         run: |problem| by_planner(problem, true),
     },
 ];
 
-fn on_grid(problem: &Problem<'_>, solve: fn(&Path) -> Option<Vec<f64>>) -> Option<Found> {
-    let squared = solve(problem.path)?;
-    let duration = problem.path.duration(&squared);
-    Some(Found { duration, cells: problem.path.cells(), failed: 0, left: None })
+fn by_passes(path: &Path, grid: &Grid) -> Found {
+    let duration = path.duration(&passes(grid, [0.0; 2]));
+    Found { duration, cells: path.cells(), failed: 0 }
 }
 
 /// The least time with limited jerk, s: what the planner comes to on a much finer grid with all of the path in one window.
@@ -124,5 +84,5 @@ fn by_planner(problem: &Problem<'_>, jerk: bool) -> Option<Found> {
     let fineness = Fineness::ordinary();
     let (duration, effort) = planned(&path.limits, jerk, extent, rates, fineness)?;
     let cells = usize::try_from(effort.committed).ok()?;
-    Some(Found { duration, cells, failed: effort.failed, left: None })
+    Some(Found { duration, cells, failed: effort.failed })
 }

@@ -30,8 +30,6 @@ struct Measured {
     rate: f64,
     /// Windows without an answer.
     failed: u64,
-    /// Part of the nodes that was left to Clarabel, where that is known.
-    left: Option<f64>,
 }
 
 impl Row {
@@ -60,13 +58,11 @@ impl Row {
             duration: answer.duration,
             rate: as_float(cells) / time,
             failed: 0,
-            left: None,
         });
         let ours = ours.into_iter().map(|(found, time)| Measured {
             duration: found.map(|found| found.duration),
             rate: found.map_or(f64::NAN, |found| as_float(found.cells) / time.as_secs_f64()),
             failed: found.map_or(0, |found| found.failed),
-            left: found.and_then(|found| Some(as_float(found.left?) / as_float(found.cells))),
         });
         Self { name, cells, peer, ours: ours.collect(), least }
     }
@@ -107,7 +103,7 @@ pub fn head() {
     );
 }
 
-/// The worst of every column, and what windows lose.
+/// The worst of every column.
 pub fn summary(rows: &[Row]) {
     for (index, method) in METHODS.iter().enumerate() {
         let pairs = rows.iter().filter_map(|row| Some((row.ours.get(index)?, row.peer.as_ref()?)));
@@ -133,24 +129,6 @@ pub fn summary(rows: &[Row]) {
         let none = rows.iter().filter(|row| row.ours[index].duration.is_none()).count();
         let failed: u64 = rows.iter().map(|row| row.ours[index].failed).sum();
         println!("{line} {none} paths without a profile, {failed} failed windows");
-        let left = rows.iter().filter_map(|row| row.ours.get(index)?.left);
-        let mut left: Vec<f64> = left.map(|part| 100.0 * part).collect();
-        left.sort_by(f64::total_cmp);
-        if let [least, .., most] = left.as_slice() {
-            let middle = left[left.len() / 2];
-            println!(
-                "  {least:.2} to {most:.1} % of the nodes are left to Clarabel, {middle:.2} % in the middle; the \
-                 others are proved"
-            );
-        }
-        let whole = METHODS.iter().position(|other| Some(other.name) == method.whole);
-        if let Some(whole) = whole {
-            let losses = rows.iter().filter_map(|row| {
-                Some(row.ours[index].duration? / row.ours[whole].duration? - 1.0)
-            });
-            let loss = losses.fold(f64::NEG_INFINITY, f64::max);
-            println!("  windows lose at most {loss:.1e} against one over the whole path");
-        }
         if method.jerk {
             let losses =
                 rows.iter().filter_map(|row| Some(row.ours[index].duration? / row.least? - 1.0));

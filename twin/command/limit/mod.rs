@@ -28,8 +28,9 @@ use twin_machine::text;
 ///
 /// The path is followed with the largest velocity at which no axis exceeds its velocity, acceleration and jerk, and no
 /// programmed feed (F) or acceleration (E) is exceeded. Joints that are passed without a stop are rounded within
-/// `blend_tolerance_mm` of the machine file. Clarabel solves the convex programs that this comes down to; between the places
-/// they look at an acceleration may be a thousandth above its limit, a jerk a twentieth.
+/// `blend_tolerance_mm` of the machine file. Within velocities and accelerations two passes give the fastest profile;
+/// where jerk is limited, Clarabel solves convex programs. Between the places where limits are asked for an acceleration
+/// may be a thousandth above its limit, a jerk a twentieth.
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct Arguments {

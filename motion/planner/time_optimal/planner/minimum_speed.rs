@@ -175,7 +175,7 @@ where
     }
 
     /// u̇² at the beginning.
-    fn start(&self) -> f64 {
+    pub(super) fn start(&self) -> f64 {
         match self.beginning {
             Beginning::Rest => 0.0,
             Beginning::Moving { b, .. } => b,

@@ -25,7 +25,6 @@ use super::axis_path::AxisPath;
 use super::bound::Constraint;
 use super::cell::Cell;
 use super::convex::NotSolved;
-use super::linear::LinearSolver;
 use super::options::LimitOptions;
 use super::sample::{Sampler, grid};
 use super::smooth::{Beginning, SmoothSolver};
@@ -112,7 +111,7 @@ pub enum LimitError<E> {
 pub struct Effort {
     /// Windows planned.
     pub windows: u64,
-    /// Windows for which Clarabel came to no answer, so that another profile was taken.
+    /// Windows for which Clarabel came to no answer, so that another profile was taken: with limited jerk only.
     pub failed: u64,
     /// Windows in which a limit is still exceeded somewhere between the places where it was asked for, after all that was
     /// tried.
@@ -160,7 +159,6 @@ pub struct Planner<I, E, A> {
     changed: bool,
     held: bool,
     smooth: SmoothSolver,
-    linear: LinearSolver,
     effort: Effort,
     /// What is left of the work that this attempt may take.
     budget: Budget,
@@ -209,7 +207,6 @@ where
             changed: false,
             held: false,
             smooth: SmoothSolver::default(),
-            linear: LinearSolver::default(),
             effort: Effort::default(),
             budget: Budget::default(),
             misses: 0,
@@ -225,7 +222,8 @@ where
     }
 
     /// Sensitivity to each limit so far: the time saved per part by which the limit were raised, s. At 20 % more it is
-    /// about a fifth of that, as long as nothing else holds the path back.
+    /// about a fifth of that, as long as nothing else holds the path back. It may be less than 0 without jerk limits: a
+    /// raised limit can lead the two passes into a slower profile.
     pub fn costs(&self) -> &BTreeMap<Constraint, f64> {
         &self.costs
     }

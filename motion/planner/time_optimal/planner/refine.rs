@@ -44,10 +44,7 @@ where
     /// A first profile of b at the nodes, with stops as jerk limits allow them, and its duration.
     pub(super) fn estimate(&self, grid: &Grid) -> (Vec<f64>, f64) {
         let cells = 0..grid.cells();
-        let start = match self.beginning {
-            Beginning::Rest => 0.0,
-            Beginning::Moving { b, .. } => b,
-        };
+        let start = self.start();
         let mut b = reachable::fastest(grid, cells.clone(), start, 0.0);
         if self.jerk_limited
             && let Some(slower) = slow_in_bends(grid, &b)

@@ -5,6 +5,7 @@ use super::even::MOST_CUTS;
 use super::guess::{ROOM, SLOWER};
 use super::verify::{HALVING, exceeds, is_too_long};
 use super::{NOT_SOLVED, Planner};
+use crate::time_optimal::adjoint;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::convex::NotSolved;
 use crate::time_optimal::grid::Grid;
@@ -45,7 +46,9 @@ where
             }
             let grid = grid(&self.sampler, &self.cells);
             self.effort.cells += grid.cells() as u64;
-            let stretches = self.solve_linear(&grid);
+            self.budget.looked(grid.cells());
+            let b = reachable::fastest(&grid, 0..grid.cells(), self.start(), 0.0);
+            let stretches = uniform(&grid, &b);
             if cuts < MOST_CUTS && self.even_out(&stretches) {
                 cuts += 1;
                 continue;
@@ -54,10 +57,10 @@ where
                 tangents += 1;
                 continue;
             }
-            if self.is_last(round, &stretches) {
-                return Ok(stretches);
-            }
-            if self.tighten(&stretches, (0, round), &Broken::default(), None).is_empty() {
+            if self.is_last(round, &stretches)
+                || self.tighten(&stretches, (0, round), &Broken::default(), None).is_empty()
+            {
+                self.gains = adjoint::sensitivities(&grid, &b);
                 return Ok(stretches);
             }
             round += 1;
@@ -307,36 +310,12 @@ where
         }
         parts
     }
+}
 
-    /// Motion through each cell without jerk limits.
-    fn solve_linear(&mut self, grid: &Grid) -> Vec<ProfileSegment> {
-        let cells = 0..grid.cells();
-        let start = match self.beginning {
-            Beginning::Rest => 0.0,
-            Beginning::Moving { b, .. } => b,
-        };
-        self.budget.looked(grid.cells());
-        // Without any left the two passes will do.
-        let most = self.budget.iterations(grid.cells());
-        self.linear.program.most_iterations = most.unwrap_or(Some(1));
-        let b = match self.linear.solve(grid, cells.clone(), start, 0.0) {
-            Ok(profile) => {
-                self.effort.iterations += u64::from(profile.iterations);
-                self.budget.solved(grid.cells(), profile.iterations);
-                self.gains = profile.gains;
-                profile.b
-            }
-            Err(_failed) => {
-                self.effort.failed += 1;
-                reachable::fastest(grid, cells.clone(), start, 0.0)
-            }
-        };
-        let ends = b.iter().zip(b.iter().skip(1));
-        cells
-            .zip(ends)
-            .map(|(cell, (from, to))| ProfileSegment::uniform(grid.length(cell), *from, *to))
-            .collect()
-    }
+/// Motion with constant acceleration through each cell.
+fn uniform(grid: &Grid, b: &[f64]) -> Vec<ProfileSegment> {
+    let ends = b.iter().zip(b.iter().skip(1)).enumerate();
+    ends.map(|(cell, (from, to))| ProfileSegment::uniform(grid.length(cell), *from, *to)).collect()
 }
 
 /// True if a profile never goes backwards.
