@@ -1,5 +1,5 @@
 //! Benchmark of the inverse transforms: tool positions to axes, without and with velocities and accelerations, for
-//! every kind.
+//! every kind; and LinuxCNC's kinematics, if its sources and a C compiler are installed.
 //!
 //! Throughput counts tool positions, on one core. Machines are noisy: compare within one run. Numbers are printed,
 //! nothing fails on them.
@@ -13,6 +13,7 @@
 )]
 
 mod machines;
+mod peer;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
@@ -24,10 +25,10 @@ use twin_kinematics::transform::{Motion, Transform};
 use twin_kinematics::{Kinematics, KinematicsError};
 
 /// Tool positions per table, few enough to stay in the cache nearest to the core.
-const PLACES: usize = 512;
+pub(crate) const PLACES: usize = 512;
 
 /// Moving tools at the places of a machine.
-fn motions<T, const N: usize>(placed: &Placed<T, N>) -> Vec<Motion<N>> {
+pub(crate) fn motions<T, const N: usize>(placed: &Placed<T, N>) -> Vec<Motion<N>> {
     let velocities = machines::spread(placed.tools.len(), [[-0.5, 0.5]; N]);
     let accelerations = machines::spread(placed.tools.len(), [[-5.0, 5.0]; N]);
     let all = placed.tools.iter().zip(velocities).zip(accelerations);
@@ -41,7 +42,7 @@ fn motions<T, const N: usize>(placed: &Placed<T, N>) -> Vec<Motion<N>> {
 
 /// Axis positions for every place, added up so that none can be left out.
 #[inline(never)]
-fn positions<T: Transform<N>, const N: usize>(
+pub(crate) fn positions<T: Transform<N>, const N: usize>(
     machine: &T,
     tools: &[SVector<f64, N>],
 ) -> Result<SVector<f64, N>, KinematicsError> {
@@ -54,7 +55,7 @@ fn positions<T: Transform<N>, const N: usize>(
 
 /// The same with velocities and accelerations.
 #[inline(never)]
-fn with_derivatives<T: Transform<N>, const N: usize>(
+pub(crate) fn with_derivatives<T: Transform<N>, const N: usize>(
     machine: &T,
     tools: &[Motion<N>],
     near: &[SVector<f64, N>],
@@ -111,5 +112,5 @@ fn transforms(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(all, transforms);
+criterion_group!(all, transforms, peer::compare);
 criterion_main!(all);
