@@ -4,7 +4,6 @@ use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity};
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ElementItem, ProgramFile};
-use std::path::Path;
 use twin_gcode::rs274::{Position, ProbePath, ProbeTarget, Surroundings};
 use twin_machine::Machine;
 use twin_machine::approach::{Approach, Clearance, RELEASE, TOUCH};

@@ -91,7 +91,7 @@ fn apart(one: &[Isometry3<f64>], other: &[Isometry3<f64>]) -> f64 {
     assert_eq!(one.len(), other.len());
     let points = [Vector3::zeros(), Vector3::x(), Vector3::y()].map(|way| Point3::from(way * 0.3));
     let pairs = one.iter().zip(other);
-    let ways = pairs.flat_map(|(one, other)| points.map(|point| (one * point - other * point)));
+    let ways = pairs.flat_map(|(one, other)| points.map(|point| one * point - other * point));
     ways.map(|way| way.norm()).fold(0.0, f64::max)
 }
 
