@@ -245,6 +245,8 @@ fn refuse_outlier(seen: &[Seen], between_s: f64) -> Result<(), TuneError> {
         near.count >= 2.0 && chance * (near.count + 1.0) < CHANCE
     };
     let Some(one) = seen.iter().filter(far).find(is_none) else { return Ok(()) };
+    // Those of another group, or of another edge, are not one accident.
+    refuse_contradictory(seen)?;
     Err(TuneError::Outlier { line: one.line, behind_s: one.behind_s, usual_s: middle })
 }
 

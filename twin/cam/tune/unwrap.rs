@@ -86,13 +86,12 @@ fn master_period(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Option<f6
     })
 }
 
-/// The largest change of a step from one sample to the next: where positions begin again it is their period.
+/// How far the largest step from one sample to the next is from the usual one: where positions begin again that is their period.
 fn jump(run: &RecordedRun, position: fn(&RunSample) -> f64) -> f64 {
-    let change = |three: &[RunSample]| match three {
-        [a, b, c] => (position(c) - 2.0 * position(b) + position(a)).abs(),
-        _ => 0.0,
-    };
-    run.samples.windows(3).map(change).fold(0.0, f64::max)
+    let steps = run.samples.windows(2).map(|two| position(&two[1]) - position(&two[0]));
+    let steps: Vec<f64> = steps.collect();
+    let usual = median(steps.clone());
+    steps.into_iter().map(|step| (step - usual).abs()).fold(0.0, f64::max)
 }
 
 /// How many turns each sample of a slave is on from where it was recorded within `period`; none if it was not.

@@ -9,7 +9,9 @@
 //!
 //! The time that a larger bₖ saves goes to these limits, and to the b that they depend on: through the forward pass from
 //! the last node to the first, then through the backward pass from the first to the last. The result is the derivative of
-//! the duration. It may be negative: with a higher limit the forward pass can be too fast for what comes next.
+//! the duration, but near points where an axis has no inertia. There a row trades one b for the other, and the derivative
+//! of the passes may have poles of both signs. If a limit then seems to be worth more than the whole duration, the limit of such
+//! a row gets all of the time that its b saves and passes none on: no sensitivity is negative, and all together are the duration.
 
 #[cfg(test)]
 mod tests;
@@ -30,9 +32,20 @@ const EDGE: f64 = 1e-6;
 /// Sensitivities to the limits where the two passes lead to the profile `b` over all cells of a grid, to rest at its end.
 /// The b at its start is given.
 pub(super) fn sensitivities(grid: &Grid, b: &[f64]) -> Vec<Sensitivity> {
+    let derivative = along(grid, b, f64::INFINITY);
+    let mut sums = BTreeMap::<Constraint, f64>::new();
+    for Sensitivity { constraint, time, .. } in &derivative {
+        *sums.entry(*constraint).or_default() += time;
+    }
+    let duration = reachable::duration(grid, 0..grid.cells(), b);
+    if sums.values().all(|time| time.abs() <= duration) { derivative } else { along(grid, b, 0.0) }
+}
+
+/// Sensitivities with rows that trade this part of one b for the other at most.
+fn along(grid: &Grid, b: &[f64], traded: f64) -> Vec<Sensitivity> {
     let most = reachable::controllable(grid, 0..grid.cells(), 0.0);
     let mut worth = worth(grid, b);
-    let mut adjoint = Adjoint { grid, plane: Plane::default(), gains: BTreeMap::new() };
+    let mut adjoint = Adjoint { grid, plane: Plane::default(), traded, gains: BTreeMap::new() };
     let mut passed = 0.0;
     let cells = b.iter().zip(b.iter().zip(&most).skip(1)).enumerate();
     for ((cell, (here, (next, most))), worth) in cells.zip(worth.iter_mut().skip(1)).rev() {
@@ -72,6 +85,8 @@ fn worth(grid: &Grid, b: &[f64]) -> Vec<f64> {
 struct Adjoint<'g> {
     grid: &'g Grid,
     plane: Plane,
+    /// A row trades this part of one b for the other at most.
+    traded: f64,
     /// By cell and limit: one that bounds both b of a cell may do so to one at the cost of the other.
     gains: BTreeMap<(usize, Constraint), f64>,
 }
@@ -91,8 +106,10 @@ impl Adjoint<'_> {
         if r * next <= EDGE {
             return Some(worth * next / here);
         }
-        self.gain(cell, source, worth / r);
-        Some(-worth * p / r)
+        // What goes to the b at the start is the worth of a part of this one, and the limit gets the rest.
+        let passed = -worth * next * (p * here / (r * next)).min(self.traded);
+        self.gain(cell, source, worth * next - passed);
+        Some(passed / here)
     }
 
     /// Gives the worth of the b at the start of a cell, `here`, to what bounds it in the backward pass; what that leaves
@@ -114,8 +131,11 @@ impl Adjoint<'_> {
         if bottom <= 0.0 {
             return 0.0;
         }
-        self.gain(cell, low.source, worth * rh / bottom);
-        let of_high = -worth * rl / bottom;
+        // Together they get the time that all of this b saves.
+        let whole = worth * here;
+        let part = (-worth * rl / bottom / whole).clamp(-self.traded, 1.0 + self.traded);
+        let of_high = whole * part;
+        self.gain(cell, low.source, whole - of_high);
         self.gain(cell, high.source, of_high);
         if high.source == Source::Given { of_high * rh } else { 0.0 }
     }
