@@ -168,13 +168,13 @@ impl Chart {
         self.head().height() + rows + strips + NUMBERS + legend
     }
 
-    fn draw(&self, svg: &mut Svg, top: f64) {
+    fn draw(&self, svg: &mut Svg) {
         let head = self.head();
-        head.draw(svg, (LEFT, top));
+        head.draw(svg, (LEFT, 0.0));
         let across = |at: f64| self.across.x(at);
         let ticks = self.across.ticks();
         let uprights: Vec<_> = ticks.iter().map(|(x, _)| *x).collect();
-        let mut top = top + head.height();
+        let mut top = head.height();
         for row in &self.rows {
             row.draw(svg, top, &across, &uprights);
             top += row.height + GAP;
@@ -195,21 +195,10 @@ impl Chart {
 
     /// The chart as SVG.
     pub fn svg(&self) -> String {
-        charts(std::slice::from_ref(self))
+        let mut svg = Svg::default();
+        svg.open((WIDTH, self.height()), &self.title);
+        self.draw(&mut svg);
+        svg.close();
+        svg.take()
     }
-}
-
-/// Charts below each other in one picture.
-pub fn charts(charts: &[Chart]) -> String {
-    let mut svg = Svg::default();
-    let height = charts.iter().map(Chart::height).sum();
-    let title = charts.first().map_or("", |chart| chart.title.as_str());
-    svg.open((WIDTH, height), title);
-    let mut top = 0.0;
-    for chart in charts {
-        chart.draw(&mut svg, top);
-        top += chart.height();
-    }
-    svg.close();
-    svg.take()
 }

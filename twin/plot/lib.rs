@@ -34,7 +34,7 @@ mod tests;
 mod ticks;
 mod timeline;
 
-pub use chart::{Across, Chart, Strip, charts};
+pub use chart::{Across, Chart, Strip};
 pub use color::{BACK, Color, FAINT, INK, MARK, Paint, Stroke};
 pub use map::{Map, Scale, Sheet, hull};
 pub use page::{Legend, Sign};

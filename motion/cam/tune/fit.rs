@@ -144,9 +144,6 @@ pub(super) type Values = [f64; 4];
 pub fn fit(curve: &Curve, samples: &[Sample], options: &FitOptions) -> Result<Fit, FitError> {
     let free = options.free.list();
     let unknowns = free.iter().filter(|free| **free).count();
-    if unknowns == 0 {
-        return Err(FitError::NothingFree);
-    }
     let needed = 4 * unknowns + 4;
     if samples.len() < needed {
         return Err(FitError::TooFew { found: samples.len(), needed, unknowns });

@@ -61,9 +61,6 @@ pub enum FitError {
         /// For how many unknowns.
         unknowns: usize,
     },
-    /// Nothing is to be found.
-    #[error("nothing is left to be found")]
-    NothingFree,
     /// A sample is not a finite number, or its weight is not greater than 0.
     #[error("sample {index}: {value} is not a {what}")]
     NoNumber {

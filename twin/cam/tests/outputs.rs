@@ -85,7 +85,7 @@ fn groups_that_contradict_each_other_are_told() {
     }
 }
 
-/// Edges of one group, and halves of the run.
+/// Edges of one group, halves of the run, and every other switching.
 #[test]
 fn other_parts_that_contradict_each_other_are_told() {
     let which = |run: &RecordedRun| match output_error(run) {
@@ -98,6 +98,11 @@ fn other_parts_that_contradict_each_other_are_told() {
         vec![late(time, FIRST, [if time < 4.0 { 0.004 } else { 0.012 }; 2])]
     });
     assert_eq!(which(&halves), (Part::First, Part::Second));
+    let turns = recorded(&[1], 0.001, 15_000, |time| {
+        let odd = (VELOCITY * time / 360.0).rem_euclid(2.0) < 1.0;
+        vec![late(time, FIRST, [if odd { 0.004 } else { 0.03 }; 2])]
+    });
+    assert_eq!(which(&turns), (Part::Early, Part::Late));
 }
 
 /// Dead times that scatter by a millisecond, alike in both groups or not: what is true is found, in 200 of 200 runs, and lies in its

@@ -1,5 +1,5 @@
-//! Offsets and scalings within limits, in the units of the axes: with the least error of a recorded slave, the least change, or the
-//! least peak of the slave.
+//! Offsets and scalings within limits, in the units of the axes: with the least error against a run or the motion so far, or the
+//! smallest peak of the slave.
 
 use super::super::check::{CamCheck, CamUse};
 use super::super::run::RecordedRun;
@@ -8,9 +8,9 @@ use super::{TuneError, errors, rms, same};
 use crate::finding::{Finding, Rule, Severity};
 use twin_cam::Quantity;
 use twin_cam::file::clean;
-use twin_cam::tune as motion;
 use twin_cam::tune::{
-    Bound, ConstraintError, Constraints, Estimate, Fit, Free, Objective, Sample, constrained_fit,
+    self as motion, Bound, ConstraintError, Constraints, Estimate, Fit, Free, Objective, Sample,
+    constrained_fit,
 };
 use twin_machine::cam_file::CamFile;
 use twin_number::significant;
@@ -141,15 +141,8 @@ pub(crate) fn within_limits(
     let samples: Vec<_> = (0..PASS).map(sample).collect();
     let found = constrained_fit(file.cam.curve(), Objective::Error(&samples), &wish)
         .map_err(|error| no_room(&error))?;
-    let all = [with_values(using, found.values), with_exactly(using, found.values)];
-    let inside = |one: &CamUse| {
-        let pairs = of_coupling(one).into_iter().zip(wish.sought);
-        pairs
-            .into_iter()
-            .all(|(value, within)| within.is_none_or(|[a, b]| (a..=b).contains(&value)))
-    };
-    let kept = all.into_iter().find(|one| keeps(file, one) && inside(one));
-    let after = kept.unwrap_or(all[1]);
+    let clean = with_values(using, found.values);
+    let after = if keeps(file, &clean) { clean } else { with_exactly(using, found.values) };
     Ok((after, of_motion(using, &after, found, None)))
 }
 

@@ -14,7 +14,7 @@ use twin_cam::{Action, Passage, Tappet};
 use twin_machine::cam_file::CamFile;
 use twin_number::significant;
 
-/// Switchings that a dead time needs: of so many at random fewer than one run in a hundred scatters as little as is accepted.
+/// Switchings that a dead time needs: of four at random fewer than one run in a hundred scatters as little as is accepted.
 const NEEDED: usize = 4;
 /// Switchings of a group scatter by this part of the time from one tappet to the next at most, standard deviation.
 const SCATTER: f64 = 0.05;
@@ -25,6 +25,9 @@ const OUTLIER: f64 = 10.0;
 /// A longer dead time, as a part of the time from one tappet to the next of its kind, may be that of another tappet or of an
 /// inverted output.
 const LONGEST: f64 = 0.25;
+/// Switchings that each of two heaps has at least, and the gap between them in times of their scatter.
+const HEAP: usize = 4;
+const APART: f64 = 10.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seen {
@@ -48,6 +51,8 @@ pub(crate) enum Part {
     Off(i16),
     First,
     Second,
+    Early,
+    Late,
 }
 
 /// What a part of the switchings has in common.
@@ -85,6 +90,8 @@ impl fmt::Display for SwitchingPart {
             Part::Off(group) => format!("group {group} switches off"),
             Part::First => "in the first half of the run outputs switch".to_owned(),
             Part::Second => "in the second half they switch".to_owned(),
+            Part::Early => "some outputs switch".to_owned(),
+            Part::Late => "others switch".to_owned(),
         };
         let plural = if *count > 1.0 { "switchings" } else { "switching" };
         write!(f, "{which} {} s behind its tappets ({count} {plural})", significant(*mean_s, 4))
@@ -264,7 +271,7 @@ fn refuse_scattered(seen: &[Seen]) -> Result<(), TuneError> {
     Ok(())
 }
 
-/// Refuses groups, edges of one group and halves of the run that have different dead times.
+/// Refuses groups, edges of one group, halves of the run and heaps of switchings that have different dead times.
 fn refuse_contradictory(seen: &[Seen]) -> Result<(), TuneError> {
     let part =
         |which, of: &dyn Fn(&&Seen) -> bool| SwitchingPart::new(which, seen.iter().filter(of));
@@ -282,7 +289,8 @@ fn refuse_contradictory(seen: &[Seen]) -> Result<(), TuneError> {
     refuse_apart(&[
         part(Part::First, &|s| s.line <= middle),
         part(Part::Second, &|s| s.line > middle),
-    ])
+    ])?;
+    refuse_heaps(seen)
 }
 
 /// Compares means by Student's t with the scatter of all parts together. Samples may have shifted each mean by half the time between
@@ -305,4 +313,20 @@ fn refuse_apart(parts: &[SwitchingPart]) -> Result<(), TuneError> {
         }
     }
     Ok(())
+}
+
+/// Refuses switchings in two heaps with nothing between, far apart for how wide they are.
+fn refuse_heaps(seen: &[Seen]) -> Result<(), TuneError> {
+    let mut sorted = seen.to_vec();
+    sorted.sort_by(|one, other| one.behind_s.total_cmp(&other.behind_s));
+    let gap = |at: &usize| sorted[*at].behind_s - sorted[at - 1].behind_s;
+    let places = HEAP..(sorted.len() + 1).saturating_sub(HEAP);
+    let Some(at) = places.max_by(|one, other| gap(one).total_cmp(&gap(other))) else {
+        return Ok(());
+    };
+    let one = SwitchingPart::new(Part::Early, sorted[..at].iter());
+    let other = SwitchingPart::new(Part::Late, sorted[at..].iter());
+    let scatter = ((one.square + other.square) / (one.count + other.count - 2.0)).sqrt();
+    let two = gap(&at) > 2.0 * (one.within_s + other.within_s) && gap(&at) > APART * scatter;
+    if two { Err(TuneError::TwoDeadTimes { one, other }) } else { Ok(()) }
 }

@@ -4,12 +4,10 @@ use super::find::tuned;
 use super::least::{Find, LeastOptions, Sought, sought};
 use super::outcome::{apply, picture};
 use super::report::Report;
-use super::start::Started;
 use super::words::{Ramp, SlaveColumn, start};
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
-use crate::cam::tune;
-use crate::cam::tune::changes;
+use crate::cam::tune::{self, changes};
 use crate::command::atomic_file;
 use crate::command::cam::{
     Format, LimitOptions, MasterOptions, UseOptions, load, number, positive, show_findings,
@@ -81,13 +79,14 @@ pub(super) struct Arguments {
         value_name = "TYPE",
         value_enum,
         default_value = "trapezoid",
-        requires = "ramp_in"
+        requires = "ramp_in",
+        conflicts_with_all = ["run", "find"]
     )]
     pub(super) ramp: Ramp,
 
-    /// The ramp takes so long at most, s, and its acceleration is as small as that allows (with --minimise jerk its jerk); else it
+    /// The ramp takes this long at most, s, and the slave's peak acceleration is small (with --minimise jerk its peak jerk); else it
     /// is as short as the limits allow
-    #[arg(long, value_name = "S", requires = "ramp_in", value_parser = positive)]
+    #[arg(long, value_name = "S", requires = "ramp_in", value_parser = positive, conflicts_with_all = ["run", "find"])]
     pub(super) within: Option<f64>,
 
     /// A picture of before and after: of the cam, and with --ramp-in of what the slave does until it is on it, with its limits
@@ -209,15 +208,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let shown = recorded.as_ref().and_then(|run| tune::master_motion(&file, &before, run));
     before.master = arguments.master.motion_or(shown.unwrap_or(before.master));
     let given = arguments.ramp_in.map(|[master, ..]| master).or(arguments.master_start);
-    let started = given.map(|master| (master, Started::Given)).or_else(|| {
+    before.start = given.or_else(|| {
         let of_run = recorded.as_ref().and_then(|run| run.samples.first()).map(|one| one.master);
         let starts = |master: &f64| before.starts_at(file.cam.curve(), *master);
-        of_run.filter(starts).map(|master| (master, Started::Run))
+        of_run.filter(starts)
     });
-    before.start = started.map(|(master, _)| master);
     let mut report = Report::new(&file, before);
     report.wound = wound;
-    report.started = started.map(|(_, by)| by);
     match tuned(arguments, &file, recorded.as_ref(), &mut report) {
         Ok(()) => {}
         Err(error) if error.is_of_call() => return Err(Failure::Usage(error.to_string())),
@@ -248,7 +245,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         apply(&file, &after_file, &report, target.as_deref())?;
     }
     report
-        .write(arguments.format, target.is_some(), &mut io::stdout().lock())
+        .write(arguments.format, arguments.write.is_some(), &mut io::stdout().lock())
         .map_err(Failure::Stdio)?;
     if let (Some(_), Some(refused)) = (&arguments.write, refused) {
         let exceeds = tune::exceeds(refused);

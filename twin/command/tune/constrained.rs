@@ -1,4 +1,4 @@
-//! Report of values that constraints hold: limits of a run, the least change, and the smallest peak.
+//! Report of values that constraints hold: limits of a run, limits alone, and the smallest peak.
 
 use super::report::{Report, Section, short};
 use crate::cam::run::RecordedRun;
@@ -52,7 +52,7 @@ impl Report<'_> {
         let mut text = Vec::new();
         let (indent, keeps, otherwise) = match found.quantity {
             Some(_) => ("  ", "", "which nothing holds"),
-            None => ("", " keeps the limits", "for the least change with the others"),
+            None => ("", " keeps the limits", "for the least error with the others"),
         };
         if let Some(quantity) = found.quantity {
             let [before, after] = [found.before, found.after].map(short);
@@ -61,7 +61,9 @@ impl Report<'_> {
         }
         for (index, (_, name, after)) in self.after.coupling.numbers().iter().enumerate().take(4) {
             let stays = found.from[index].to_bits() == after.to_bits();
-            if stays && (found.held[index].is_empty() || found.quantity.is_none()) {
+            // Its passes alone may have changed, for the start.
+            let start = index == 0 && found.held[0].is_empty();
+            if start || stays && (found.held[index].is_empty() || found.quantity.is_none()) {
                 continue;
             }
             let by = self.held_by(found, index, otherwise);

@@ -5,10 +5,9 @@ use super::least::{intervals, sought_within};
 use super::report::Report;
 use super::words::SlaveColumn;
 use crate::cam::run::RecordedRun;
-use crate::cam::tune;
 use crate::cam::tune::{
-    Deviation, RunFit, TuneError, errors, fit_run, limited, minimise, ramp_wish, run_dead_time,
-    within_limits,
+    self, Deviation, RunFit, TuneError, errors, fit_run, limited, minimise, ramp_wish,
+    run_dead_time, within_limits,
 };
 use twin_cam::file::clean;
 use twin_cam::tune::{RampGoal, ramp_in};

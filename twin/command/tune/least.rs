@@ -103,7 +103,10 @@ impl LeastOptions {
         let has = |what| find.iter().any(|sought| sought.what == what);
         let peak = self.minimise.is_some();
         let scaling = has(Find::MasterScaling) || has(Find::SlaveScaling);
-        let wrong = if peak && ramps && !within {
+        let twice = |one: &Sought| find.iter().filter(|other| other.what == one.what).count() > 1;
+        let wrong = if find.iter().any(twice) {
+            "--find names a value twice"
+        } else if peak && ramps && !within {
             "--ramp-in without --within is as short as the limits allow and minimises nothing"
         } else if peak && !ramps && !scaling {
             "offsets alone change no peak: --find a scaling"

@@ -14,7 +14,6 @@ mod start;
 mod tappets;
 mod words;
 
-use super::cam::number;
 use super::{Failure, Status};
 use clap::Subcommand;
 
@@ -34,16 +33,4 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     match &arguments.action {
         Action::Cam(arguments) => cam::run(arguments),
     }
-}
-
-/// Numbers with commas between: `least` of them at least, the others 0.
-fn list<const N: usize>(text: &str, least: usize) -> Result<[f64; N], String> {
-    let mut numbers = [0.0; N];
-    let mut count = 0;
-    for part in text.split(',') {
-        let slot = numbers.get_mut(count).ok_or_else(|| format!("more than {N} numbers"))?;
-        *slot = number(part)?;
-        count += 1;
-    }
-    if count < least { Err(format!("fewer than {least} numbers")) } else { Ok(numbers) }
 }

@@ -10,7 +10,6 @@ use crate::command::atomic_file;
 use std::path::Path;
 use twin_cam::Cam;
 use twin_machine::cam_file::{CamFile, Form};
-use twin_plot::charts;
 
 pub(super) fn picture(
     path: &Path,
@@ -48,30 +47,19 @@ pub(super) fn picture(
         Shown { file: after, using: &drawn, name: "after" },
     ];
     let heading = format!("{} ({})", file.cam.name(), file.path.display());
-    // A ramp alone leaves the cam as it is.
-    let changed = report.fit.is_some()
-        || report.dead_time.is_some()
-        || report.within.is_some()
-        || report.least.is_some();
-    let mut pages = Vec::new();
-    if changed || report.ramp.is_none() {
-        pages.push(cam_chart(&heading, &report.headline(), &shown, &recorded));
-    }
-    if let (Some((_, ramp)), Some(wish)) = (&report.ramp, &report.start) {
+    let page = if let (Some((_, ramp)), Some(wish)) = (&report.ramp, &report.start) {
         let picture = RampPicture {
             wish,
             before: ramp_of(&report.before, wish, ramp),
             after: *ramp,
             units: [file.master.unit(), file.slave.unit()],
         };
-        let heading = format!("start onto {heading}");
-        let chart = ramp_chart(&heading, &report.headline(), &picture);
-        pages
-            .push(chart.map_err(|error| {
-                Failure::Usage(format!("the picture cannot be drawn: {error}"))
-            })?);
-    }
-    atomic_file::write(path, charts(&pages).as_bytes())
+        ramp_chart(&format!("start onto {heading}"), &report.headline(), &picture)
+            .map_err(|error| Failure::Usage(format!("the picture cannot be drawn: {error}")))?
+    } else {
+        cam_chart(&heading, &report.headline(), &shown, &recorded)
+    };
+    atomic_file::write(path, page.svg().as_bytes())
 }
 
 /// Writes what was found: into the text of a TOML file, comments kept, or as a new one.

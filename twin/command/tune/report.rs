@@ -2,7 +2,6 @@
 //!
 //! Each part gives its JSON value and its lines of text together ([`Section`]).
 
-use super::start::Started;
 use crate::cam::check::CamUse;
 use crate::cam::edit::Change;
 use crate::cam::tune::{Constrained, Kept};
@@ -66,8 +65,6 @@ pub(super) struct Found {
     pub(super) ramp: Option<(RampType, RampIn)>,
     /// The start that it is for.
     pub(super) start: Option<Box<RampWish>>,
-    /// How it is known where the master starts.
-    pub(super) started: Option<Started>,
     /// `MasterOffset` and `SlaveOffset` that do not start, which others with the same motion replace.
     pub(super) folded: Option<[f64; 2]>,
     pub(super) changes: Vec<Change>,

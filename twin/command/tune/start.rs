@@ -5,15 +5,6 @@ use crate::cam::check::CamUse;
 use serde_json::json;
 use twin_cam::CamInput;
 
-/// How it is known where the master is at the start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Started {
-    /// `--master-start`, or the place of a `--ramp-in`.
-    Given,
-    /// The run begins there, on the cam.
-    Run,
-}
-
 impl Report<'_> {
     /// Gives the same motion offsets with which it starts: `MasterOffset` by whole passes of the cam elsewhere.
     pub(super) fn fold(&mut self) {
@@ -61,10 +52,9 @@ impl Report<'_> {
         if values(&input) != values(&old) {
             let [from, to] = after.map(|at| self.place(at));
             let [old_from, old_to] = before.map(|at| self.place(at));
-            let known = match (self.after.start, self.started) {
-                (Some(at), Some(Started::Run)) => format!("; the run begins at {}", self.place(at)),
-                (Some(_), _) => String::new(),
-                (None, _) => "; --master-start says where it is".to_owned(),
+            let known = match self.after.start {
+                Some(at) => format!("; it starts at {}", self.place(at)),
+                None => "; --master-start says where it is".to_owned(),
             };
             text.push(format!(
                 "MC_CamIn starts with the master from {from} to {to} {unit} (it was from {old_from} to {old_to}), elsewhere it \
@@ -76,7 +66,6 @@ impl Report<'_> {
         }
         let value = json!({
             "master": self.after.start,
-            "known_by": self.started.map(|by| if by == Started::Run { "run" } else { "given" }),
             "min": after[0], "max": after[1], "min_before": before[0], "max_before": before[1],
             "told_without": self.folded.map(|[offset, shift]| json!({
                 "master_offset": offset, "slave_offset": shift,

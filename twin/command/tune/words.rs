@@ -1,6 +1,6 @@
 //! Options: words and lists of numbers, and what they say.
 
-use super::list;
+use crate::command::cam::number;
 use clap::ValueEnum;
 use twin_profile::RampType;
 
@@ -27,6 +27,12 @@ impl From<Ramp> for RampType {
     }
 }
 
+/// Places of master and slave with a comma between, and the slave's velocity, or 0.
 pub(super) fn start(text: &str) -> Result<[f64; 3], String> {
-    list(text, 2)
+    let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    match numbers[..] {
+        [master, slave] => Ok([master, slave, 0.0]),
+        [master, slave, velocity] => Ok([master, slave, velocity]),
+        _ => Err(format!("{} numbers; expected MASTER,SLAVE[,VELOCITY]", numbers.len())),
+    }
 }

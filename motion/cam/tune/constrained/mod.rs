@@ -83,7 +83,7 @@ pub enum ConstraintError {
     #[error(transparent)]
     Limit(#[from] LimitError),
     /// The least peak would be that of a slave at rest.
-    #[error("{unknown} could become 0, where nothing moves: give it an interval")]
+    #[error("{unknown} could become 0, where nothing moves: give it an interval without 0")]
     Unconstrained {
         /// Which.
         unknown: &'static str,
@@ -375,14 +375,14 @@ impl Problem<'_> {
 
     /// The constraints that hold each value.
     fn held(&self, place: &Place) -> [Vec<Bound>; 4] {
-        let [offset, scaling, shift, factor] = place.values;
+        let [_, scaling, shift, factor] = place.values;
         let from = self.wish.from;
         let at = |value: f64, ends: [End; 2]| {
             let ends = ends.into_iter().filter(move |end| close(end.value, value));
             ends.flat_map(|end| end.by).flatten().collect::<Vec<_>>()
         };
         let interval = |index| self.interval(index).map(|(value, bound)| End::at(value, bound));
-        let mut held = [at(offset, interval(0)), at(scaling, interval(1)), vec![], vec![]];
+        let mut held = [0, 1, 2, 3].map(|index: usize| at(place.values[index], interval(index)));
         if self.is_peak() {
             held[3].clone_from(&place.by);
             held[2] = at(shift, self.slaves(scaling).offsets(factor));
@@ -398,8 +398,9 @@ impl Problem<'_> {
                 .map(|quantity| Bound::Limit { quantity, limit: self.wish.limits.of(quantity) })
                 .collect();
             let position = |bound: &&Bound| matches!(bound, Bound::Position { .. });
-            held[2] = place.by.iter().filter(position).copied().collect();
-            held[3] = if motion.is_empty() { held[2].clone() } else { motion.clone() };
+            held[2].extend(place.by.iter().filter(position));
+            let by = if motion.is_empty() { held[2].clone() } else { motion.clone() };
+            held[3].extend(by);
             held[1].splice(0..0, motion);
             for index in [1, 3] {
                 if close(place.values[index], from[index]) {

@@ -2,7 +2,8 @@
 //!
 //! The ramp is added to the cam, which goes on meanwhile. It therefore gets what the cam leaves of the slave's limits on the way of
 //! the master until then: the limit less the peak of the cam. Both together keep the limits, whatever their signs. The soonest ramp
-//! uses all of it; the gentlest one in a given time has the smallest acceleration or jerk with which it arrives in time.
+//! uses all of it; the gentlest one has the smallest peak of ramp and cam together among ramps that arrive in the given time
+//! or sooner with the smallest acceleration, or jerk, of their own.
 //!
 //! `MC_CamIn` has no input for the jerk of a ramp: that is the axis's, which is to be the limit less what the cam needs.
 
@@ -21,8 +22,10 @@ use twin_profile::RampType;
 const LONGEST_S: f64 = 3600.0;
 /// The soonest ramp assumes a longer way of the cam than its own, by this part.
 const FURTHER: f64 = 1e-3;
+/// Times up to the given one for which the gentlest ramp is found.
+const TIMES: u32 = 12;
 /// Halvings of the range of the gentlest ramp.
-const HALVINGS: u32 = 50;
+const HALVINGS: u32 = 60;
 
 /// Finds the ramp.
 ///
@@ -53,8 +56,13 @@ pub fn ramp_in(wish: &RampWish) -> Result<RampIn, RampError> {
             return Err(RampError::TooLate { soonest_s, within_s });
         }
         RampGoal::Gentlest { within_s, least } => {
-            // The cam may need more on the longer way.
-            problem.gentlest(within_s, least).unwrap_or(soonest)
+            // The cam may need more on a longer way.
+            let times = (1..=TIMES).map(|k| f64::from(k) / f64::from(TIMES));
+            let times = times.map(|part| soonest_s + part * (within_s - soonest_s));
+            let all = times.filter_map(|time_s| problem.gentlest(time_s, least));
+            let all = all.chain([soonest]).filter(|ramp| problem.beyond(ramp).is_none());
+            all.min_by(|one, other| one.peak(least).total_cmp(&other.peak(least)))
+                .unwrap_or(soonest)
         }
     };
     problem.beyond(&ramp).map_or(Ok(ramp), Err)

@@ -61,7 +61,7 @@ impl<'a> Problem<'a> {
         self.wish.master.velocity * self.wish.input.master_scaling
     }
 
-    /// Where the cam has the slave at a time after the start, turns of a rotary slave aside.
+    /// State of the slave on its cam at a time after the start, turns of a rotary slave aside.
     pub(super) fn cam_at(&self, time_s: f64) -> State {
         let RampWish { table, input, slave, .. } = self.wish;
         let (factor, speed) = (input.slave_scaling, self.speed());
@@ -169,16 +169,17 @@ impl<'a> Problem<'a> {
         Ok((duration_s, (0..=count).map(moment)))
     }
 
-    /// The limit of the position that a ramp exceeds.
+    /// The limit that a ramp exceeds: of the position, or one that the slave exceeds already at its start.
     pub(super) fn beyond(&self, ramp: &RampIn) -> Option<RampError> {
         let ([low, high], [least, greatest]) = (self.wish.position, ramp.positions);
         let room = ROUNDING * (greatest - least + greatest.abs());
-        if least < low - room {
-            Some(RampError::Beyond { reached: least, limit: low })
-        } else if greatest > high + room {
-            Some(RampError::Beyond { reached: greatest, limit: high })
-        } else {
-            None
-        }
+        let moves = [Quantity::Velocity, Quantity::Acceleration].map(|of| {
+            let limit = self.wish.limits.of(of);
+            (of.name(), ramp.peak(of), limit, ramp.peak(of) - limit * (1.0 + ROUNDING))
+        });
+        let ends = [("position", least, low, low - room - least)];
+        let ends = ends.into_iter().chain([("position", greatest, high, greatest - high - room)]);
+        let found = ends.chain(moves).find(|(.., by)| *by > 0.0);
+        found.map(|(what, reached, limit, _)| RampError::Beyond { what, reached, limit })
     }
 }

@@ -40,7 +40,7 @@ pub fn ramp_shown(wish: &RampWish, ramp: &RampIn) -> Result<RampShown, RampError
     Ok(RampShown { duration_s, moments: moments.collect() })
 }
 
-/// Where the cam of a wish has the slave at a time after the start, turns of a rotary slave aside.
+/// State of the slave on the cam of a wish at a time after the start, turns of a rotary slave aside.
 ///
 /// # Errors
 /// [`RampError`] if the coupling does not start.

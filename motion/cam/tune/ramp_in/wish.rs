@@ -66,6 +66,16 @@ pub struct RampIn {
     pub positions: [f64; 2],
 }
 
+impl RampIn {
+    pub(super) fn peak(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Velocity => self.peak_velocity,
+            Quantity::Acceleration => self.peak_acceleration,
+            Quantity::Jerk => self.peak_jerk,
+        }
+    }
+}
+
 /// Reason why no ramp is found.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RampError {
@@ -89,11 +99,13 @@ pub enum RampError {
         "the acceleration of a trapezoid ramp steps, so that it has no limit of the jerk: use parabolic or sigmoid ramps"
     )]
     Steps,
-    /// The ramp exceeds a limit of the position.
-    #[error("the ramp takes the slave to {}, its limit of position is {}: start it elsewhere or at another place of the master",
+    /// The start exceeds a limit.
+    #[error("the slave's {what} is {} until it is on its cam, its limit is {}: start it elsewhere, slower or at another place of the master",
         Short(*.reached), Short(*.limit))]
     Beyond {
-        /// The position that it reaches, u.
+        /// Position, velocity or acceleration.
+        what: &'static str,
+        /// What is reached, u, u/s or u/s².
         reached: f64,
         /// Its limit.
         limit: f64,
