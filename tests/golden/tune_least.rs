@@ -99,6 +99,6 @@ fn ramps_with_the_least_jerk() {
         assert_eq!(found["ramp"]["ramp"], kind);
         tune(&format!("{ramp} --ramp {kind}")).says("of the slave's axis: `max_jerk_…`");
     }
-    tune("--ramp-in 0,-1e9").ended(1, "which is more than 3600 s");
+    tune("--ramp-in 0,-1e9 --ramp sigmoid").ended(1, "which is more than 3600 s");
     tune("--ramp-in 0,0 --minimise jerk").ended(2, "--within");
 }

@@ -1,4 +1,4 @@
-//! `twin tune cam` within limits: the fit of a run as far as they allow, and the least change that keeps them.
+//! `twin tune cam` within limits: the fit of a run as far as they allow, and the nearest motion that keeps them.
 
 use crate::process::{Desk, number};
 use crate::tuning::{noise, recording, through};

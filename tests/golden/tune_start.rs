@@ -36,7 +36,7 @@ fn what_is_proposed_starts_where_the_run_does() {
     assert!((offset - 358.2).abs() < 0.02, "{found}");
     let (without, start) = (&found["start"]["told_without"]["master_offset"], &found["start"]);
     assert!((number(without) - (offset - 360.0)).abs() < 1e-9, "{start}");
-    assert_eq!((&start["master"], &start["known_by"]), (&Value::from(0.0), &Value::from("run")));
+    assert_eq!(start["master"], 0.0);
     assert!((number(&start["min"]) + offset).abs() < 1e-9, "{start}");
     // Known as well as before, and the error is that of the noise: 0.02/√12.
     assert!(number(&found["fit"]["proposed"]["MasterOffset"]["half_width_95"]) > 0.0, "{found}");
@@ -88,5 +88,5 @@ fn the_check_says_where_it_starts() {
     check("--master-start 340").ended(1, "set MasterOffset -335 for the same motion");
     let start = &check("--master-start 340 --format json").object()["start"];
     assert!(start["starts"] == false && start["place"] == 365.0, "{start}");
-    desk.twin("tune cam lift.toml --ramp-in 0,0 --master-start 1").ended(2, "give one of them");
+    desk.twin("tune cam lift.toml --ramp-in 0,0 --master-start 1").ended(2, "cannot be used with");
 }
