@@ -42,7 +42,7 @@ fn series(module: &str) -> Vec<Series> {
     file["modules"][module]["series"].as_array().unwrap().iter().map(one).collect()
 }
 
-/// How many numbers were compared, and of how many calls neither has an answer.
+/// Number of values compared, and of calls to which neither has an answer.
 #[derive(Debug, Default)]
 struct Comparison {
     compared: usize,

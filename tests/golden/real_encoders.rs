@@ -137,9 +137,9 @@ fn emulated_drives_have_the_encoders_of_the_machine_file() {
     let run = "run short.cnc -m mixture.toml --report run.json";
     desk.twin(run).ended(0, "");
     assert_eq!(desk.read("run.json")["completed"], true);
-    let told = desk.twin("machine mixture.toml");
-    told.ended(0, "");
-    told.says_all(&[
+    let said = desk.twin("machine mixture.toml");
+    said.ended(0, "");
+    said.says_all(&[
         "encoder on axis X: -4 points for 1 increments, 64 apart at most",
         "encoder on axis 1: 4000 points for 3200 increments",
     ]);

@@ -73,10 +73,10 @@ fn few_switchings_keep_nothing_back() {
     done.says("2 switchings are too few for a dead time: 4 are needed");
     done.says("MasterOffset := 358.");
     desk.write("cam.toml", CAM);
-    let told = tune("--format json").object();
-    assert!(told["dead_time"].is_null() && told["refused"].is_null(), "{told}");
-    assert!(told["no_dead_time"].as_str().expect("why").contains("2 switchings"));
-    assert!((number(&told["fit"]["estimates"]["MasterOffset"]["value"]) - 1.2).abs() < 0.1);
+    let said = tune("--format json").object();
+    assert!(said["dead_time"].is_null() && said["refused"].is_null(), "{said}");
+    assert!(said["no_dead_time"].as_str().expect("why").contains("2 switchings"));
+    assert!((number(&said["fit"]["estimates"]["MasterOffset"]["value"]) - 1.2).abs() < 0.1);
 }
 
 /// A master within 0 to 360 of which the scaling is looked for, and one within a period that has to be told.
@@ -98,9 +98,9 @@ fn a_master_within_its_period_goes_on() {
     };
     for (period, more) in [(360.0, ""), (500.0, "--master-period 500")] {
         desk.write("run.csv", &run(period));
-        let told = tune(more);
-        assert!((number(&told["master"]["period"]) - period).abs() < 1e-9, "{told:#}");
-        let found = &told["fit"]["estimates"]["MasterScaling"];
+        let said = tune(more);
+        assert!((number(&said["master"]["period"]) - period).abs() < 1e-9, "{said:#}");
+        let found = &said["fit"]["estimates"]["MasterScaling"];
         assert!(
             (number(&found["value"]) - 1.005).abs() <= number(&found["half_width_95"]),
             "{found}"

@@ -249,7 +249,7 @@ fn probes_stop_on_stock_and_jaws() {
     }
 }
 
-/// What is behind X, Y and Z.
+/// Numbers behind X, Y and Z.
 fn place(text: &str) -> Vec<f64> {
     let words: Vec<_> = text.split_whitespace().collect();
     let behind = |letter: &str| {

@@ -60,8 +60,8 @@ impl<C: Fn() -> i64 + Sync> Virtual<C> {
 }
 
 /// Bit by bit as 1 is axis 1; whether its shaft is to be where the encoder shows it.
-fn differs(told: &DriveError) -> (Axes, i64, i64) {
-    match told {
+fn differs(said: &DriveError) -> (Axes, i64, i64) {
+    match said {
         DriveError::EncoderDiffers {
             axis, counter, encoder, unit: "µsteps", points: None,
         ..
@@ -113,13 +113,13 @@ fn a_held_shaft_is_told_while_it_moves_and_when_it_is_stopped() {
     // On its way to a target: three steps of 64 µsteps, and 9 of rounding.
     let mut rig = watched(&options);
     rig.hold(two, true);
-    let told = rig.goes([2000, -2500]).unwrap_err();
-    let (axis, counter, encoder) = differs(&told);
+    let said = rig.goes([2000, -2500]).unwrap_err();
+    let (axis, counter, encoder) = differs(&said);
     assert_eq!((axis, encoder), (Axes::Numbers(2), 0));
-    assert!((-360..-192).contains(&counter), "{told}");
-    let said = told.to_string();
+    assert!((-360..-192).contains(&counter), "{said}");
+    let message = said.to_string();
     for part in ["module", "axis 2", "by its encoder", "µsteps", "192"] {
-        assert!(said.contains(part), "{said}");
+        assert!(message.contains(part), "{message}");
     }
     // It can be stopped, and where its encoder is then counts from there on.
     rig.drive.soft_stop().unwrap();
@@ -127,7 +127,7 @@ fn a_held_shaft_is_told_while_it_moves_and_when_it_is_stopped() {
     // While it follows a plan. By its encoder the module corrects leg after leg.
     let mut rig = watched(&strict());
     rig.plan.start_ns = rig.now_ns() + 50_000_000;
-    let told = loop {
+    let said = loop {
         if let Err(error) = rig.drive.follow(&rig.plan) {
             break error;
         }
@@ -136,7 +136,7 @@ fn a_held_shaft_is_told_while_it_moves_and_when_it_is_stopped() {
         }
         assert!(rig.plan.now_ns() < 2_000_000_000, "nothing is said");
     };
-    assert_eq!(differs(&told).0, Axes::Numbers(1));
+    assert_eq!(differs(&said).0, Axes::Numbers(1));
 
     // While it is stopped: (10000² − 1000²)/40000 are 2475 µsteps to brake from full speed.
     let mut rig = watched(&options);
@@ -144,8 +144,8 @@ fn a_held_shaft_is_told_while_it_moves_and_when_it_is_stopped() {
     rig.drive.move_to(&[1_000_000, 0, 0, 0, 0], &[10_000.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
     rig.looks_until(|module| module.velocity(one) >= 5000.0);
     rig.hold(one, true);
-    let told = rig.drive.soft_stop().unwrap_err();
-    assert_eq!(differs(&told).0, Axes::Numbers(1), "{told}");
+    let said = rig.drive.soft_stop().unwrap_err();
+    assert_eq!(differs(&said).0, Axes::Numbers(1), "{said}");
     assert!(rig.module.module().velocity(one).abs() < 1e-9, "it does not move");
     rig.drive.soft_stop().unwrap();
 
@@ -184,8 +184,8 @@ fn an_absolute_encoder_has_to_be_told_where_home_is() {
     }
     let mut rig = among(&surroundings);
     let home = rig.homes();
-    let told = home.map_or_else(|told| told, |_| rig.drive.homed().unwrap_err());
-    let (_, counter, encoder) = differs(&told);
+    let said = home.map_or_else(|said| said, |_| rig.drive.homed().unwrap_err());
+    let (_, counter, encoder) = differs(&said);
     assert_eq!(counter, 0);
     assert!(encoder.abs() > 1000, "{encoder}");
     assert!(rig.begin([500, 500]).is_err(), "it is somewhere else");
@@ -215,20 +215,20 @@ fn an_encoder_that_counts_the_wrong_way_or_is_broken_is_told() {
     rig.drive.sample(&rig.plan).unwrap();
     let broken = change(&|encoder| encoder.disconnected = true);
     rig.module.module().set_surroundings(&broken);
-    let told = rig.rests().unwrap_err();
-    assert!(matches!(told.fault(), Some(Fault::Encoder { axis: 1, .. })), "{told}");
-    assert!(told.to_string().contains("the encoder of axis 1: fault"), "{told}");
+    let said = rig.rests().unwrap_err();
+    assert!(matches!(said.fault(), Some(Fault::Encoder { axis: 1, .. })), "{said}");
+    assert!(said.to_string().contains("the encoder of axis 1: fault"), "{said}");
 
     // The bit of the plug is a fault where it comes; a module without plugs shows it from the start, as all of these do.
     let mut rig = among(&Surroundings { plugs: [Some(1); 2], ..sound });
     rig.drive.sample(&rig.plan).unwrap();
     // Page 6, $32 and 8 on: messages of axis 1, low byte last.
     rig.module.module().set_garbled(Some((0x3B, 0x04)));
-    let told = rig.drive.sample(&rig.plan).unwrap_err();
+    let said = rig.drive.sample(&rig.plan).unwrap_err();
     let plug = encoder_message::PLUG;
     assert!(
-        matches!(told.fault(), Some(Fault::Encoder { messages, .. }) if messages & plug != 0),
-        "{told}"
+        matches!(said.fault(), Some(Fault::Encoder { messages, .. }) if messages & plug != 0),
+        "{said}"
     );
 }
 
@@ -274,13 +274,13 @@ fn an_encoder_that_is_said_to_be_there_has_to_be() {
     let (with, surroundings) = with_encoders();
     // Not declared: without a word nothing is watched, with one it is refused.
     let mut rig = virtual_drive((&eeprom(), &surroundings), &quick(), &strict());
-    let told = rig.drive.probe(&rig.plan).unwrap_err();
-    assert!(told.to_string().contains("presence of the encoder, definition bit 0 = 0"), "{told}");
+    let said = rig.drive.probe(&rig.plan).unwrap_err();
+    assert!(said.to_string().contains("presence of the encoder, definition bit 0 = 0"), "{said}");
     // Declared, and none is recognised (terminals 2 and 13).
     let none = Surroundings { encoders: [None; 2], ..surroundings };
     let mut rig = among(&none);
-    let told = rig.drive.sample(&rig.plan).unwrap_err();
-    assert!(told.to_string().contains("the module does not recognise any"), "{told}");
+    let said = rig.drive.sample(&rig.plan).unwrap_err();
+    assert!(said.to_string().contains("the module does not recognise any"), "{said}");
     let mut rig = virtual_drive((&with, &none), &quick(), &Bim2AxDriveOptions::new()).ready();
     rig.hold(ModuleAxis::One, true);
     assert_eq!(rig.goes([800, 0]).unwrap()[0], 800);

@@ -219,9 +219,9 @@ async fn power_lost_on_the_way_stops_hard_and_is_told() {
         rig.rewire(|surroundings| surroundings.benches[0].power = false);
         let seen = rig.seen().await;
         let hard = if what == Doing::Idle { 0 } else { message::HARD_STOPPED };
-        let told =
+        let reported =
             seen.messages[0] & (message::POWER_ABSENT | message::HARD_STOPPED | message::MOVING);
-        assert_eq!(told, message::POWER_ABSENT | hard, "{what:?}");
+        assert_eq!(reported, message::POWER_ABSENT | hard, "{what:?}");
         let error = rig.driver.start([Some(Start::to(0)), None], clock).await;
         assert!(matches!(fault_of(&error), Some(Fault::AxisMessages { axis: 1, .. })), "{what:?}");
         rig.rewire(|surroundings| surroundings.benches[0].power = true);
@@ -259,8 +259,8 @@ async fn a_switch_that_sticks_stops_with_the_ramp() {
         let both = message::PLUS_SWITCH | message::MINUS_SWITCH;
         assert_eq!(seen.messages[0] & (both | message::HOMED), both, "{what:?}");
         let error = rig.driver.start([Some(Start::to(0)), None], clock).await;
-        let told = matches!(fault_of(&error), Some(Fault::AxisMessages { axis: 1, .. }));
-        assert!(seen.positions[0] == 0 || told, "{what:?}");
+        let reported = matches!(fault_of(&error), Some(Fault::AxisMessages { axis: 1, .. }));
+        assert!(seen.positions[0] == 0 || reported, "{what:?}");
         stick(rig, None);
     })
     .await;

@@ -10,11 +10,11 @@ use serialport::TTYPort;
 use super::{
     ENABLE_OPEN, LOCKED, Plan, TIMEOUT,
     common::{WallClock, wall_clock},
-    emulated, fails, sines, steep,
+    emulated, fails, sines, steep, switch,
 };
 use crate::{
     AxisOptions, BoardAxis, Following, InterpCncDrive, InterpCncOptions, Line, Parity,
-    emulator::{BoardOptions, Control, EmulatedBoard, EmulatorOptions, Event, Wire},
+    emulator::{Bench, BoardOptions, Control, EmulatedBoard, EmulatorOptions, Event, Wire},
     protocol::{
         frame::seal,
         parameters,
@@ -22,7 +22,8 @@ use crate::{
     },
 };
 use twin_drives::{
-    Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, ParameterId, Sample, SetpointStream,
+    Direction, Drive, DriveError, FaultRule, IncrementMotion, MAX_DRIVE_AXES, ParameterId, Sample,
+    SetpointStream, When, WireFault,
 };
 
 /// Strokes of two axes, increments, at 1 Hz.
@@ -317,4 +318,24 @@ fn a_speed_that_is_stored_holds_from_the_next_start_on() {
     assert!(deaf(&second, 57_600) && hears(&second, 19_200), "before it starts anew");
     second.control(Control::Event(Event::BrownOut { off_ns: 0 })).unwrap();
     assert!(deaf(&second, 19_200) && hears(&second, 57_600), "after another power failure");
+}
+
+#[test]
+fn a_bench_presses_switches_and_faults_come_on_demand() {
+    let stream = WallClock::new();
+    let bench = Bench { cams: vec![switch(5, BoardAxis::X, 500, 900)], encoder: None };
+    let board = emulated(&EmulatorOptions { bench, ..EmulatorOptions::default() });
+    let mut drive = enabled(&board, &[BoardAxis::X]);
+    drive.move_to(&[700, 0, 0, 0, 0], &[5000.0; 5]).unwrap();
+    assert_eq!(rests(&mut drive, &stream).unwrap()[0], 700);
+    let (driver, runtime) = drive.board();
+    assert_eq!(runtime.block_on(driver.snapshot(&|| 0)).unwrap().inputs, 1 << 4);
+    // A garbled answer: asked again, and nothing is to be seen of it.
+    let (direction, when, fault) = (Direction::Answer, When::Next(1), WireFault::WrongCheck);
+    board.control(Control::Fault(FaultRule { direction, when, fault })).unwrap();
+    assert_eq!(drive.sample(&stream).unwrap().position[0], 700);
+    board.control(Control::Event(Event::BrownOut { off_ns: 0 })).unwrap();
+    fails(&drive.sample(&stream), LOCKED);
+    let end = board.stop().unwrap();
+    assert_eq!((end.counters()[0], end.inputs()), (0, 1 << 4));
 }

@@ -158,7 +158,7 @@ fn the_exception_of_a_locked_board_is_told_as_such_where_it_is_known() {
         (Some(4), 0, false),
     ];
     for (known, status, locked) in cases {
-        let told = run(async {
+        let said = run(async {
             let (near, mut far) = duplex(4096);
             let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
             options.assumptions.locked_exception = known;
@@ -172,8 +172,8 @@ fn the_exception_of_a_locked_board_is_told_as_such_where_it_is_known() {
             };
             tokio::join!(driver.send(&command, &no_clock), board).0.unwrap_err()
         });
-        let as_refused = told.fault() == Some(&Exception(6));
-        assert_eq!((LOCKED(&told), as_refused), (locked, !locked), "{known:?}: {told}");
+        let as_refused = said.fault() == Some(&Exception(6));
+        assert_eq!((LOCKED(&said), as_refused), (locked, !locked), "{known:?}: {said}");
     }
 }
 

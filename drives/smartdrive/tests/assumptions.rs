@@ -103,11 +103,11 @@ async fn the_driver_copes_with_every_alternative() {
                 bus.set_parameter(1, 28, -100_000).await.unwrap();
                 bus.set_mode(1, Some(Mode::Remote)).await.unwrap();
                 bus.start(1, 500, 0).await.unwrap();
-                let stands = rest(bus).await;
+                let place = rest(bus).await;
                 let (state, _) = bus.state(1, &no_clock).await.unwrap();
                 assert!(state.flags.contains(TrajectoryFlags::LIMITED_P), "{name}");
-                bus.go_to(1, stands - 500, None).await.unwrap();
-                assert_eq!(rest(bus).await, stands - 500, "{name}");
+                bus.go_to(1, place - 500, None).await.unwrap();
+                assert_eq!(rest(bus).await, place - 500, "{name}");
             },
         )
         .await;

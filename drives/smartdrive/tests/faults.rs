@@ -111,16 +111,17 @@ async fn every_fault_in_every_state_is_survived_and_told() {
                 // What may not be repeated fails with its cause, and has been executed once at most.
                 armed.set(Some(fault));
                 let switched = bus.io(1, IoUpdate { set: 0b100, ..IoUpdate::default() }).await;
-                let told = match &switched {
+                let message = match &switched {
                     Ok(_) => "none".to_owned(),
                     Err(error @ (DriveError::Timeout { .. } | DriveError::Protocol { .. })) => {
                         let text = error.to_string();
-                        let told = text.strip_prefix("wire, address 1: command 05h (IOUPDATE): ");
-                        told.unwrap_or_else(|| panic!("{name}: {text}")).to_owned()
+                        let message =
+                            text.strip_prefix("wire, address 1: command 05h (IOUPDATE): ");
+                        message.unwrap_or_else(|| panic!("{name}: {text}")).to_owned()
                     }
                     Err(error) => panic!("{name}: {error}"),
                 };
-                assert_eq!(switched.is_ok(), is_harmless, "{name}: {told}");
+                assert_eq!(switched.is_ok(), is_harmless, "{name}: {message}");
                 assert_eq!(device.borrow().outputs() != 0, is_executed, "{name}");
                 // Afterwards everything is in order, and what was begun ends as it should.
                 let mut last = bus.state(1, &no_clock).await.unwrap().0;
@@ -134,7 +135,7 @@ async fn every_fault_in_every_state_is_survived_and_told() {
                     Doing::Moving => assert_eq!(last.position, 3200, "{name}"),
                     Doing::Stopping => assert!(last.position > 0, "{name}"),
                 }
-                println!("{name:<40} PING: none  IOUPDATE: {told}");
+                println!("{name:<40} PING: none  IOUPDATE: {message}");
                 drop(bus);
             };
             tokio::join!(serve(far, &device, &armed), testing);

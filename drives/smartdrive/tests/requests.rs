@@ -199,23 +199,23 @@ async fn homing_ends_at_home_or_says_why_not() {
 /// STA bits 14 and 6 and the flag TRIGGERED reach whoever asks how a drive is.
 #[tokio::test(start_paused = true)]
 async fn conditions_are_told() {
-    let told = async |bus: &mut SmartDrive| {
+    let reported = async |bus: &mut SmartDrive| {
         let (state, _) = bus.state(1, &no_clock).await.unwrap();
         let triggered = state.flags.contains(TrajectoryFlags::TRIGGERED);
         [state.signalled, state.busy, triggered]
     };
     let device = Device::new(&DeviceOptions::default());
     let served = with_events(device, async |bus, control| {
-        assert_eq!(told(bus).await, [false; 3]);
+        assert_eq!(reported(bus).await, [false; 3]);
         let all = [Condition::Signalled, Condition::Busy, Condition::Triggered];
         for (place, condition) in all.into_iter().enumerate() {
             for on in [true, false] {
                 control.send(Event::Condition(condition, on).to(0)).await.unwrap();
                 // What is served next may have been asked before.
-                told(bus).await;
+                reported(bus).await;
                 let mut expected = [false; 3];
                 expected[place] = on;
-                assert_eq!(told(bus).await, expected, "{condition:?}");
+                assert_eq!(reported(bus).await, expected, "{condition:?}");
             }
         }
     });

@@ -31,7 +31,7 @@ pub(crate) fn tables(lines: u32) -> impl Strategy<Value = Table> {
 
 /// A dialect as these checks see it.
 pub(crate) trait Dialect {
-    /// What becomes of a program.
+    /// Writes a program with its feeds lowered to the limits.
     fn refeed(
         program: BufReader<Cursor<&[u8]>>,
         limits: impl Iterator<Item = io::Result<LineLimit>>,

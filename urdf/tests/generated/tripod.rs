@@ -1,4 +1,4 @@
-//! Tests of generated tripods: loops, masses, and positions against their transform.
+//! Tests of generated tripods: loops, masses, and positions against the manual's transforms.
 
 use super::{assert_refused, bounds, corners_of, meet};
 use crate::tests::{assert_near, mass, pose_of, seeded};
@@ -8,9 +8,8 @@ use crate::{
 };
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use proptest::prelude::*;
-use std::f64::consts::PI;
-use twin_kinematics::Transform;
-use twin_kinematics::tripod::{Rod, Tripod, TripodDeviations, TripodDimensions as Rings};
+use std::f64::consts::{PI, TAU};
+use twin_kinematics::tripod::{Rod, TripodDeviations, TripodDimensions as Rings};
 
 const RINGS: Rings = Rings {
     inner_radius: 0.06,
@@ -34,14 +33,46 @@ pub(in crate::tests) fn tripod() -> TripodDimensions {
     TripodDimensions { tool, tool_mass: 0.1, ..dimensions(&RINGS, [0.3, 0.6]) }
 }
 
-/// Manual 8.2.6: positions of the axes (without offsets) with the platform at `place`.
-fn inverse(rings: &Rings, place: &Point3<f64>) -> [f64; 3] {
-    Tripod::new(*rings, [0.0; 3]).unwrap().to_axes(&place.coords).unwrap().into()
+/// Manual 8.2.6: e, the way from the ends of a pair of rods on the platform out to those on its carriage.
+fn eccentricity(rings: &Rings) -> f64 {
+    let half = (rings.rod_distance / 2.0).powi(2);
+    (rings.outer_radius.powi(2) - half).sqrt() - (rings.inner_radius.powi(2) - half).sqrt()
 }
 
-/// The way back: the platform below carriages at `heights`.
+/// Manual 8.2.6: positions of the axes (without offsets) with the platform at `place`.
+fn inverse(rings: &Rings, place: &Point3<f64>) -> [f64; 3] {
+    let e = eccentricity(rings);
+    [0.0, 1.0, 2.0].map(|i| {
+        let (sin, cos) = (rings.rotation + i * TAU / 3.0).sin_cos();
+        let h2 = (place.x - e * cos).powi(2) + (place.y - e * sin).powi(2);
+        // Not all too near to where the rod is level.
+        assert!(h2 < 0.96 * rings.rod_length.powi(2), "{place}");
+        place.z + (rings.rod_length.powi(2) - h2).sqrt()
+    })
+}
+
+/// Manual 8.2.6, forward: the platform below carriages at `heights`, as the digest writes it.
 fn forward(rings: &Rings, heights: [f64; 3]) -> Point3<f64> {
-    Tripod::new(*rings, [0.0; 3]).unwrap().to_tool(&heights.into()).unwrap().into()
+    let e = eccentricity(rings);
+    let mean = heights.iter().sum::<f64>() / 3.0;
+    let q = heights.map(|height| height - mean);
+    let sum = |of: fn(f64, (f64, f64)) -> f64| -> f64 {
+        (0_u8..)
+            .zip(q)
+            .map(|(i, q)| of(q, (rings.rotation + f64::from(i) * TAU / 3.0).sin_cos()))
+            .sum()
+    };
+    let (cx, cy) =
+        (sum(|q, (_, cos)| q * q * cos) / (3.0 * e), sum(|q, (sin, _)| q * q * sin) / (3.0 * e));
+    let (dx, dy) = (
+        2.0 * sum(|q, (_, cos)| q * cos) / (3.0 * e),
+        2.0 * sum(|q, (sin, _)| q * sin) / (3.0 * e),
+    );
+    let a = 1.0 + dx * dx + dy * dy;
+    let b = -2.0 * (cx * dx + cy * dy);
+    let c = cx * cx + cy * cy + sum(|q, _| q * q) / 3.0 + e * e - rings.rod_length.powi(2);
+    let z = (-b - (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
+    Point3::new(cx - dx * z, cy - dy * z, z + mean)
 }
 
 fn platform(model: &Model, joints: &JointPositions) -> Isometry3<f64> {

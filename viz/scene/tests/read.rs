@@ -56,7 +56,7 @@ impl Read {
         queries.iter().any(|query| query.0.as_str() == format!("+ /{folder}/**"))
     }
 
-    /// Where an entity is, with time (ns) and line.
+    /// Positions of an entity, with time (ns) and line.
     pub(crate) fn places(&self, entity: &str) -> Vec<(i64, i64, Vec<components::Translation3D>)> {
         self.rows(entity, &rerun::Transform3D::descriptor_translation())
     }

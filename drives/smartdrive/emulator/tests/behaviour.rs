@@ -285,7 +285,7 @@ fn a_stuck_status_shows_what_was() {
     assert_eq!(ask(&mut device, Command::Ping).number(), 100_000);
 }
 
-/// How far a drive at 500 rpm has gone when it answers a PING that is sent now, with 50 ms to answer.
+/// Way of a drive at 500 rpm until it answers a PING that is sent now, with 50 ms to answer.
 async fn gone_at_ping(execution: Execution) -> f64 {
     let mut device = remote();
     ask_and_wait(&mut device, Command::Start { speed: 500, rate: 0 }, 1000);

@@ -8,7 +8,7 @@ use crate::protocol::{
     vectors::vector,
 };
 
-/// The device answers a vector, and so many milliseconds pass.
+/// Gives the device a vector, which it answers, and waits for the number of milliseconds.
 #[track_caller]
 fn take(device: &mut Device, number: usize, ms: i64) {
     device.handle(&vector(number)).unwrap();

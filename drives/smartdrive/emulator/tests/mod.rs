@@ -47,7 +47,7 @@ fn ask(device: &mut Device, command: Command) -> Answer {
     answer
 }
 
-/// The same, and waits for so many milliseconds.
+/// The same, and waits for the number of milliseconds.
 #[track_caller]
 fn ask_and_wait(device: &mut Device, command: Command, ms: i64) {
     ask(device, command);
@@ -86,7 +86,7 @@ fn set(device: &mut Device, parameter: u16, value: i32) {
     }
 }
 
-/// Switches an input, and waits for so many milliseconds.
+/// Switches an input, and waits for the number of milliseconds.
 fn switch(device: &mut Device, input: Input, level: bool, ms: i64) {
     device.set_input(input, level);
     device.advance(ms * MS);

@@ -51,7 +51,7 @@ fn messages(diagnostics: &[Diagnostic]) -> Vec<String> {
     diagnostics.iter().map(ToString::to_string).collect()
 }
 
-/// What became of the probing moves: line, word and outcome.
+/// Line, word and outcome of each probing move.
 fn outcomes(elements: &[PathElement]) -> String {
     let of = |element: &PathElement| match element.kind {
         ElementKind::Probe { probing, outcome } => {

@@ -44,7 +44,7 @@ fn a_move_to_the_switch_ends_on_it_ignores_limits_and_keeps_homing() {
     for brutal in [0, coefficient::BRUTAL_STOP] {
         let settings = with(brutal | coefficient::HOMING_MANDATORY);
         let settings = AxisSettings { soft_plus: 1000, soft_minus: -1000, ..settings };
-        for (order, end, told) in [
+        for (order, end, reported) in [
             (uc::TO_PLUS_SWITCH, 3000, message::PLUS_SWITCH | message::PLUS_LIMIT),
             (uc::TO_MINUS_SWITCH, -3000, message::MINUS_SWITCH | message::MINUS_LIMIT),
         ] {
@@ -54,7 +54,7 @@ fn a_move_to_the_switch_ends_on_it_ignores_limits_and_keeps_homing() {
             assert_eq!(axis.ack_uc(), order);
             close(finish(&mut axis), 2.9995, 2e-9);
             let hard = if brutal == 0 { 0 } else { message::HARD_STOPPED };
-            let ended = told | message::HOMED | hard;
+            let ended = reported | message::HOMED | hard;
             assert_eq!((axis.counter(), axis.messages(), axis.ack_uc()), (end, ended, 0));
             axis.order(&simple(order));
             assert!(!axis.moving(), "it is there");
