@@ -197,9 +197,8 @@ pub(crate) fn bim2ax() -> Bench {
 
 /// Makes a check with a device of each family, whose name a failure shows.
 pub(crate) fn in_every_family(interpcnc: fn() -> Bench, check: fn(Bench)) {
-    let starts: [(&str, fn() -> Bench); 3] =
-        [("InterpCNC", interpcnc), ("SmartDRIVE", smartdrive), ("BIM2AX", bim2ax)];
-    for (family, start) in starts {
+    let starts = [interpcnc, smartdrive, bim2ax];
+    for (family, start) in ["InterpCNC", "SmartDRIVE", "BIM2AX"].into_iter().zip(starts) {
         println!("{family}");
         check(start());
     }

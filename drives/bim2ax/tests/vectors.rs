@@ -203,7 +203,6 @@ impl Memory for Bench {
 }
 
 #[test]
-#[expect(clippy::too_many_lines, reason = "one step per vector")]
 fn the_module_answers_every_vector() {
     let mut used = Used::default();
     let mut bench = Bench::new(&example_surroundings());

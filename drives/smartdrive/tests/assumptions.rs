@@ -150,7 +150,7 @@ fn on_terminal(
 ) -> (EmulatedBus, SmartDriveBus, WallClock) {
     let (bus, clock) = emulated(vec![device(assumptions)], Wire::default());
     let axes = vec![AxisOptions { deceleration_rpm_per_s, ..axis(1) }];
-    let drive = open(&bus, &SmartDriveOptions { assumptions, axes, ..patient(1..=1) });
+    let drive = open(&bus, &SmartDriveOptions { axes, assumptions, ..patient(1..=1) });
     (bus, drive, clock)
 }
 

@@ -140,7 +140,7 @@ fn z_with_the_s_profile() {
         let expected = difference(|s| element.at(s).curvature, s, 5e-4);
         assert!((found - expected).norm() < 1e-8 * expected.norm());
     }
-    assert_eq!([element.start_tangent().z, element.end_tangent().z], [0.0; 2]);
+    assert_eq!((element.start_tangent().z, element.end_tangent().z), (0.0, 0.0));
     near(element.at(0.0125).position.z * 1e3, 30.0 * 0.103_515_625);
     near(element.at(0.05).position.z * 1e3, 30.0);
 }
@@ -189,7 +189,7 @@ fn elements_too_small_for_derivatives_have_none() {
         ] {
             assert!(shape.length() > 0.0 || size < 1e-161, "{shape:?}");
             for (s_profile, extra) in [(AxisMask(0), None), (AxisMask::Z, None), (both, extra)] {
-                let details = Details { s_profile, extra, ..Details::default() };
+                let details = Details { extra, s_profile, ..Details::default() };
                 let element = detailed(shape.clone(), details);
                 for part in [0.0, 0.25, 0.3, 0.5, 1.0] {
                     let point = element.at(part * shape.length());

@@ -75,7 +75,9 @@ fn no_gantry_touches_itself() {
         let mut all = corners(&model);
         if dimensions.rotary.is_some() {
             let mut turned = all.clone();
-            turned.iter_mut().for_each(|axes| *axes.last_mut().unwrap() /= 2.0);
+            for axes in &mut turned {
+                *axes.last_mut().unwrap() /= 2.0;
+            }
             all.extend(turned);
         }
         touches_itself_nowhere(&dimensions, all);

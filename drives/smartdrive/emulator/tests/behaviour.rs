@@ -166,8 +166,8 @@ fn a_brown_out_stops_everything_and_boots() {
         device.set_supply(24);
     };
     let by_event = |device: &mut Device| device.happen(Event::BrownOut { off_ns: 100 * MS });
-    let ways: [(fn(&mut Device), i64); 2] = [(by_supply, 300), (by_event, 400)];
-    for (brown_out, silent_ms) in ways {
+    let ways: [fn(&mut Device); 2] = [by_supply, by_event];
+    for (brown_out, silent_ms) in ways.into_iter().zip([300, 400]) {
         let options = DeviceOptions { configured_mode: Mode::Remote, ..DeviceOptions::default() };
         let mut device = Device::new(&options);
         ask_and_wait(&mut device, Command::Start { speed: 300, rate: 0 }, 500);

@@ -152,7 +152,7 @@ impl Problem<'_> {
                 let sum = |of: &dyn Fn(&Sample) -> f64| samples.iter().map(of).sum::<f64>();
                 (BEYOND, sum(&|s| s.weight * s.master) / sum(&|s| s.weight))
             }
-            _ => (0.0, 0.0),
+            Objective::Peak(_) => (0.0, 0.0),
         };
         let near = near.max(0.0);
         let far = far.min(1.0 + beyond).max(near);

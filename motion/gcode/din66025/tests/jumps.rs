@@ -16,7 +16,7 @@ fn with(variables: &[(&str, f64)]) -> DecoderOptions {
 #[test]
 fn loop_with_a_named_variable() {
     let program = b"%\nN1000 G36 O$g_i$ D5\nN1010 G1 X100 F100 E100 E-100\nN1020 G1 X0\nN1030 G37 O$g_i$ D-1\nN1040 G20 L1010 K$G_I$\n";
-    let elements = elements_of(decode_with(with(&[("g_I", 77.0)]), program));
+    let elements = elements_of(&decode_with(with(&[("g_I", 77.0)]), program));
     assert_eq!(elements.len(), 10);
 }
 
@@ -32,7 +32,7 @@ fn the_implicit_variable_begins_at_minus_one() {
 fn jumps_forward_and_on_a_condition() {
     for (k, blocks) in [(0.0, vec![10, 30, 40]), (2.5, vec![10, 40])] {
         let program = b"%\nN10 G1 X1 F10\nN20 G20 L40 K$go$\nN30 G1 X2\n  /n040 G1 X3";
-        let elements = elements_of(decode_with(with(&[("GO", k)]), program));
+        let elements = elements_of(&decode_with(with(&[("GO", k)]), program));
         let found: Vec<_> = elements.iter().map(|element| element.place.block.unwrap()).collect();
         assert_eq!(found, blocks);
     }
@@ -42,7 +42,7 @@ fn jumps_forward_and_on_a_condition() {
 fn variables_stand_for_any_number() {
     let variables = [("x", 12.5), ("Feed", 20.0), ("code", 1.0)];
     let program = b"%\nN10 G$code$ X$x$ Y$ X $ F$feed$\n";
-    let elements = elements_of(decode_with(with(&variables), program));
+    let elements = elements_of(&decode_with(with(&variables), program));
     assert_eq!(ends_mm(&elements)[0][1], [12.5, 12.5, 0.0]);
     assert_close(elements[0].feed, 0.02);
     // Their values are checked as if written there.
@@ -55,7 +55,7 @@ fn variables_stand_for_any_number() {
 #[test]
 fn variables_are_looked_up_line_by_line() {
     let program = b"%\nN10 G36 O$a$ D1\nN20 G1 X$a$ F10\nN30 G37 O$a$ D2.5\nN40 G1 X$a$\n";
-    let elements = elements_of(decode_with(with(&[("a", 0.0)]), program));
+    let elements = elements_of(&decode_with(with(&[("a", 0.0)]), program));
     assert_eq!(ends_mm(&elements)[1], [[1.0, 0.0, 0.0], [3.5, 0.0, 0.0]]);
 }
 
@@ -202,7 +202,7 @@ fn finding_blocks() {
 fn suppressed_targets() {
     let program = b"%\nF10\nG20 L7 K1\n/N7 G1 X1\nN8 G1 X2\nN7 G1 X3";
     let options = DecoderOptions { skip_suppressed_blocks: true, ..DecoderOptions::default() };
-    let elements = elements_of(decode_with(options, program));
+    let elements = elements_of(&decode_with(options, program));
     assert_eq!((elements.len(), elements[0].place.line), (1, 6));
 }
 

@@ -17,7 +17,7 @@ fn limits_mm(element: &PathElement) -> [f64; 3] {
 #[test]
 fn program_example() {
     let program = b"%1 example\nN10 G01 X100 Y100 E100 F100 E-200\nN20 G01 Z40 F20\nN30 G03 X-100 R200 F100\n";
-    let elements = elements_of(decode_from([0.0; 3], program));
+    let elements = elements_of(&decode_from([0.0; 3], program));
     assert_eq!(
         ways(&elements),
         "0 0 0 > 100 100 0 | 100 100 0 > 100 100 40 | 100 100 40 > -100 100 40"
@@ -72,7 +72,7 @@ fn spellings() {
 #[test]
 fn comments_of_any_bytes() {
     let elements =
-        elements_of(decode_from([0.0; 3], b"%\n(\xD8 10 \x00 \xFF; $ %)\nG1 X1 F1 (\xE9bauche)"));
+        elements_of(&decode_from([0.0; 3], b"%\n(\xD8 10 \x00 \xFF; $ %)\nG1 X1 F1 (\xE9bauche)"));
     assert_eq!(elements.len(), 1);
 }
 
@@ -139,7 +139,7 @@ fn blocks_without_a_path() {
 
 #[test]
 fn starts_where_it_is_told() {
-    let elements = elements_of(decode_from([300.0, 0.0, 20.0], b"%\nG0 X100 F10"));
+    let elements = elements_of(&decode_from([300.0, 0.0, 20.0], b"%\nG0 X100 F10"));
     assert_eq!(ways(&elements), "300 0 20 > 100 0 20");
     assert_eq!(elements[0].start(), Point3::new(0.3, 0.0, 0.02));
 }
@@ -263,7 +263,7 @@ fn tells_where_it_is() {
 #[test]
 fn example_program() {
     let program = include_str!("../../../../examples/plate.cnc");
-    let elements = elements_of(decode_from([0.0; 3], program.as_bytes()));
+    let elements = elements_of(&decode_from([0.0; 3], program.as_bytes()));
     let blocks: Vec<_> = program.lines().filter(|line| line.starts_with('N')).collect();
     assert!((60..=150).contains(&blocks.len()), "{} blocks", blocks.len());
     for (index, block) in blocks.iter().enumerate() {

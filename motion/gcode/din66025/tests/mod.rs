@@ -52,15 +52,15 @@ fn decode(blocks: &str) -> Decoded {
 
 /// The elements of a program of which nothing is wrong.
 #[track_caller]
-fn elements_of(decoded: Decoded) -> Vec<PathElement> {
-    assert_eq!(diagnostics(&decoded), []);
-    remaining(&decoded)
+fn elements_of(decoded: &Decoded) -> Vec<PathElement> {
+    assert_eq!(diagnostics(decoded), []);
+    remaining(decoded)
 }
 
 /// The same; the `%` line is added.
 #[track_caller]
 fn elements(blocks: &str) -> Vec<PathElement> {
-    elements_of(decode(blocks))
+    elements_of(&decode(blocks))
 }
 
 /// The elements that remain of a program with errors or warnings.

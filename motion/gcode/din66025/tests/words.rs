@@ -45,7 +45,7 @@ fn auxiliary_functions() {
     options.variables.set_parameters("g_myMParams", [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
     let program =
         b"%\nN90 M10\nN100 G1 X10 F10 M3 K2.5 L-4\nN150 M13 O$g_myMParams$\nN160 G1 X20\n";
-    let elements = elements_of(decode_with(options, program));
+    let elements = elements_of(&decode_with(options, program));
     let m = |number| MFunction { number };
     assert_eq!(kinds(&elements), [m(10), ElementKind::Cut, m(3), m(13), ElementKind::Cut]);
     for element in &elements[2..4] {
@@ -65,7 +65,7 @@ fn global_parameters_of_auxiliary_functions() {
     options.variables.set_parameters("GSMC_mparameters", [7.0; 8]);
     options.variables.set_parameters("g_own", [1.0; 8]);
     let program = b"%\nN10 M3\nN20 M4 K2 O$g_own$\nN30 G1 X10 F10\nN40 G1 X20 M5 H1 O0.5\n";
-    let elements = elements_of(decode_with(options, program));
+    let elements = elements_of(&decode_with(options, program));
     let parameters = |element: &PathElement| Some(element.details.as_ref()?.parameters);
     let o = |index: usize| parameters(&elements[index]).unwrap().o;
     assert_eq!((o(0), o(1), o(4)), (Some([7.0; 8]), Some([1.0; 8]), Some([7.0; 8])));
@@ -104,7 +104,7 @@ fn extra_axes() {
 #[test]
 fn where_extra_axes_start() {
     let options = DecoderOptions { start_extra: [1.0, 2.0, 3.0, 4.0, 5.0], ..Default::default() };
-    let elements = elements_of(decode_with(options, b"%\nN10 G91\nN20 G1 P1 F10\n"));
+    let elements = elements_of(&decode_with(options, b"%\nN10 G91\nN20 G1 P1 F10\n"));
     assert_eq!(elements[0].extra().unwrap().end, [2.0, 2.0, 3.0, 4.0, 5.0]);
 }
 

@@ -109,7 +109,7 @@ fn splines_come_back_as_splines() {
 
 #[test]
 fn a_start_elsewhere_is_set_first() {
-    let path = elements_of(decode_from([10.0, 20.0, 0.0], b"%\nG1 X11 F1"));
+    let path = elements_of(&decode_from([10.0, 20.0, 0.0], b"%\nG1 X11 F1"));
     assert_eq!(written(&path).unwrap(), "% path\nN10 G92 X10 Y20\nN20 G1 X11 F1\n");
 }
 

@@ -70,7 +70,7 @@ fn as_linuxcnc_move(object: &Value) -> Move {
     let numbers = |key: &str| object[key].as_array().into_iter().flatten().map(number);
     let mut kind = object["kind"].as_str().unwrap().to_owned();
     if kind == "arc" {
-        kind += &format!(" {} {}", object["plane"].as_str().unwrap(), object["turns"]);
+        kind = format!("arc {} {}", object["plane"].as_str().unwrap(), object["turns"]);
     }
     let mut abc = numbers("abc");
     Move {

@@ -55,7 +55,7 @@ fn parse(line: &str) -> Move {
             "abc" => result.abc = std::array::from_fn(|_| next(words)),
             plane => {
                 assert_eq!(words.next(), Some("turns"));
-                result.kind += &format!(" {plane} {}", next::<i32>(words));
+                result.kind = format!("{} {plane} {}", result.kind, next::<i32>(words));
                 assert_eq!(words.next(), Some("center"));
                 result.points.extend([0; 2].map(|_| next::<f64>(words)));
             }

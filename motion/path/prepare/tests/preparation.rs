@@ -170,7 +170,9 @@ fn checked_to_the_end() {
 fn errors_keep_their_place() {
     for preparation in combinations() {
         let mut stairs = stairs(50);
-        stairs.iter_mut().for_each(|element| element.tool_radius = 0.01);
+        for element in &mut stairs {
+            element.tool_radius = 0.01;
+        }
         stairs[0].marks = marked_for_all()[0].marks;
         let mut items: Vec<_> = stairs.into_iter().map(Ok).collect();
         items.insert(25, Err(Error::Upstream(25)));
@@ -196,7 +198,9 @@ proptest! {
         radius in 0.0..0.02,
     ) {
         let preparation = combinations()[which];
-        path.iter_mut().for_each(|element| element.tool_radius = radius);
+        for element in &mut path {
+            element.tool_radius = radius;
+        }
         if let Some(first) = path.first_mut() {
             first.marks = marked_for_all()[0].marks;
         }
@@ -222,7 +226,9 @@ proptest! {
             let end = element.end();
             path.insert(at + 1, m_function(end));
         }
-        path.iter_mut().for_each(|element| element.tool_radius = radius);
+        for element in &mut path {
+            element.tool_radius = radius;
+        }
         prop_assert_eq!(run(preparation, path.clone()), path);
     }
 }

@@ -15,7 +15,9 @@ const RIGHT: Marks = Marks::CORRECTION_RIGHT;
 
 /// The elements with D and the marks of one contour.
 fn contour(mut elements: Vec<PathElement>, side: Marks, radius_mm: f64) -> Vec<PathElement> {
-    elements.iter_mut().for_each(|element| element.tool_radius = radius_mm * 1e-3);
+    for element in &mut elements {
+        element.tool_radius = radius_mm * 1e-3;
+    }
     marked(elements, side, Marks::CORRECTION_END)
 }
 
