@@ -1,11 +1,12 @@
 //! `[kinematics]` and `[body]`: the transform from axes to tool, and the links that move.
 //!
-//! The links come from dimensions (`model`) or from a URDF (`urdf`).
+//! The links come from dimensions (`design` and a file per family) or from a URDF (`urdf`).
 
 mod design;
-mod kind;
-mod model;
+mod gantry;
+mod scara;
 mod sources;
+mod tripod;
 mod urdf;
 
 use super::axis::{Axis, AxisEntry};
@@ -13,9 +14,7 @@ use super::direction::DirectionRule;
 use super::tool::Tool;
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
-use design::LENGTH_MM;
-use kind::{KINDS, Kind};
-use model::Body;
+use design::{FAMILIES, Kind, LENGTH_MM, Mounted, Sections};
 use nalgebra::{Isometry3, Translation3};
 use std::path::Path;
 use twin_kinematics::MachineAxes;
@@ -60,21 +59,27 @@ pub(super) fn read(
         root.complain("the file lacks [kinematics]");
         return None;
     }
-    let kinds: Vec<(&str, &'static Kind)> = KINDS.iter().map(|kind| (kind.name, kind)).collect();
+    let kinds = FAMILIES.into_iter().flatten();
+    let kinds: Vec<(&str, &'static Kind)> = kinds.map(|kind| (kind.name, kind)).collect();
     let Some(kind) = kinematics.required_choice("kind", &kinds) else {
         kinematics.accept_all();
         body.accept_all();
         return None;
     };
     kinematics.is_of_kind(kind.name);
-    let design = design::read(&kinematics, kind);
-    let direction = DirectionRule::read(&kinematics, kind.turns_tool(), kind.name);
-    let length_scale = kinematics.number("length_scale_mm", LENGTH_MM);
     body.accept("urdf");
     let is_urdf = body.has("urdf");
     body.is_of_kind(if is_urdf { "urdf" } else { kind.name });
+    let deviations = kinematics.section("deviations");
+    let design = (kind.read)(&Sections {
+        nominal: &kinematics,
+        deviations: &deviations,
+        body: (!is_urdf).then_some(&body),
+    });
+    deviations.finish();
+    let direction = DirectionRule::read(&kinematics, kind.turns_tool, kind.name);
+    let length_scale = kinematics.number("length_scale_mm", LENGTH_MM);
     let source = if is_urdf { Source::read(&body, file.path) } else { None };
-    let parts = if is_urdf { None } else { Some(Body::read(&body, kind)) };
     kinematics.check_unknown();
     body.check_unknown();
 
@@ -95,9 +100,13 @@ pub(super) fn read(
     let machine_axes = MachineAxes::new(transform, sources.clone(), tool.tip)
         .and_then(|machine_axes| machine_axes.with_periods(&periods));
     let machine_axes = machine_axes.map_err(|error| kinematics.complain(error.to_string())).ok()?;
-    let built = if let Some(parts) = parts {
+    let built = if is_urdf {
+        let design = design.as_ref();
+        let given = Given { root, body: &body, kind, design, axes, tool, payload, sources };
+        source?.build(&given, &machine_axes)?
+    } else {
         let build = |joint: &dyn Fn(&str) -> Option<MachineJoint>| {
-            parts.model(&design, file.name, joint, tool)
+            design.model(&Mounted { name: file.name, joint, tool })
         };
         let mut model = model(&kinematics, axes, build)?;
         // Frames of flanges are not turned in their links.
@@ -105,10 +114,6 @@ pub(super) fn read(
         mount(payload, tool, &mut model, &flange, &body)?;
         let axes = axes.iter().map(|entry| entry.axis.clone()).collect();
         Built { model, axes, warnings: Vec::new(), hints: Vec::new() }
-    } else {
-        let given =
-            Given { root, body: &body, kind, design: &design, axes, tool, payload, sources };
-        source?.build(&given, &machine_axes)?
     };
     let Built { model, axes, warnings, hints } = built;
     let (kind, kinematics) = (kind.name, machine_axes);
@@ -168,4 +173,9 @@ fn model(
         model.add_additional_axis(&joint, turns, number);
     }
     Some(model)
+}
+
+/// With six digits behind the point at most.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6 + 0.0
 }

@@ -1,6 +1,6 @@
 //! Assignment of transform outputs and coordinates to the axes of a machine.
 
-use super::kind::Kind;
+use super::design::Kind;
 use crate::additional_axis;
 use crate::axis::AxisEntry;
 use crate::axis_kind::AxisKind;

@@ -2,6 +2,7 @@
 
 use super::{Given, Source, fit};
 use crate::axis::AxisEntry;
+use crate::geometry::rounded;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use twin_kinematics::{AxisVector, Kinematics, MachineAxes};
 use twin_urdf::Model;
@@ -60,7 +61,7 @@ pub(super) fn check(
         Some((machine.forward(axes).ok()?.position, model.tip_position(axes)))
     });
     let mut what = "the tool tip";
-    if given.kind.turns_tool() && worst.is_none_or(|worst| worst.length <= source.tolerance) {
+    if given.kind.turns_tool && worst.is_none_or(|worst| worst.length <= source.tolerance) {
         // Whether the tool turns alike.
         let along = flange * Vector3::x() * OFFSET;
         worst = largest(given.axes, |axes| {
@@ -143,9 +144,4 @@ fn places(axes: &[AxisEntry]) -> impl Iterator<Item = AxisVector> {
         })
     };
     (0..count).map(corners).chain((1..=PLACES).map(between))
-}
-
-/// With six digits behind the point at most.
-pub(super) fn rounded(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6 + 0.0
 }

@@ -1,8 +1,9 @@
 //! Dimensions that would make the transform fit a URDF.
 
-use super::agree::{Difference, largest, rounded};
+use super::agree::{Difference, largest};
 use super::{Given, Source};
-use crate::geometry::design::Design;
+use crate::geometry::design::{AtZero, Design, FittedKey};
+use crate::geometry::rounded;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::FRAC_PI_2;
 use twin_kinematics::{Kinematics, MachineAxes};
@@ -13,7 +14,7 @@ const NEARLY_RIGHT: f64 = 5e-3;
 
 /// Dimensions and the place of the base, with the keys that say them.
 struct Candidate {
-    design: Design,
+    design: Box<dyn Design>,
     /// Shift of the base, m.
     shift: Vector3<f64>,
     keys: Vec<String>,
@@ -76,64 +77,24 @@ fn candidate(source: &Source, given: &Given<'_>, model: &Model) -> Option<Candid
         Some(poses.get(joint.child)?.translation.vector.into())
     };
     let flange = Point3::from(poses.get(model.tip.link)?.translation.vector);
+    let fit = given.design.fit(&AtZero { joint: &joint, flange })?;
     let old = source.base.translation.vector;
-    let mut keys = Vec::new();
-    let mut say = |key: &str, values: &[f64], before: &[f64]| {
-        let same = values.iter().zip(before).all(|(one, other)| (one - other).abs() < 1e-6);
-        if !same {
-            let values: Vec<_> = values.iter().map(ToString::to_string).collect();
-            keys.push(format!("{key} = [{}]", values.join(", ")));
-        }
+    let base = (old + fit.shift).map(|value| rounded(value * 1e3));
+    let moved = FittedKey {
+        key: "base_mm",
+        fitting: base.as_slice().to_vec(),
+        present: (old * 1e3).as_slice().to_vec(),
     };
-    let (design, shift) = match given.design {
-        Design::Scara { arms, offsets, elbow, has_hand } => {
-            let [a, b] = [joint("A")?, joint("B")?];
-            let wrist = if *has_hand { joint("C")? } else { flange };
-            let count = if *has_hand { 3 } else { 2 };
-            let legs = [b - a, wrist - b, flange - wrist].map(|leg| leg.xy());
-            let lengths = legs.map(|leg| rounded(leg.norm() * 1e3));
-            let mut before = 0.0;
-            let directions = legs.map(|leg| {
-                // A leg of no length goes on as the one before.
-                let direction = if leg.norm() > 1e-9 { leg.y.atan2(leg.x) } else { before };
-                let turn = direction - before;
-                before = direction;
-                let turn = (0.0 - turn).to_degrees();
-                rounded(turn - 360.0 * (turn / 360.0).round())
-            });
-            let shift = -Vector3::new(a.x, a.y, flange.z);
-            let to_mm = |values: &[f64]| values.iter().map(|value| value * 1e3).collect::<Vec<_>>();
-            let to_deg =
-                |values: &[f64]| values.iter().map(|value| value.to_degrees()).collect::<Vec<_>>();
-            say("arm_lengths_mm", lengths.get(..count)?, &to_mm(arms));
-            // A hand of no length turns the tool from where it is.
-            let offsets_deg = if *has_hand && lengths[2] < 1e-6 {
-                [directions[0], directions[1], rounded(offsets[2].to_degrees())]
-            } else {
-                directions
-            };
-            say("offsets_deg", offsets_deg.get(..count)?, &to_deg(offsets));
-            let arms = lengths.map(|length| length * 1e-3);
-            let offsets = offsets_deg.map(f64::to_radians);
-            (Design::Scara { arms, offsets, elbow: *elbow, has_hand: *has_hand }, shift)
-        }
-        Design::Gantry { offsets, has_z, rotary, beside, belt } => {
-            let count = if *has_z { 3 } else { 2 };
-            let [x, y, z] = [flange.x, flange.y, flange.z].map(|value| rounded(0.0 - value * 1e3));
-            let found = [x, y, if *has_z { z } else { 0.0 }];
-            let before = offsets.map(|offset| offset * 1e3);
-            say("offsets_mm", found.get(..count)?, before.get(..count)?);
-            let shift = if *has_z { Vector3::zeros() } else { -Vector3::z() * flange.z };
-            let (rotary, beside, belt) = (*rotary, *beside, *belt);
-            let offsets = found.map(|offset| offset * 1e-3);
-            (Design::Gantry { offsets, has_z: *has_z, rotary, beside, belt }, shift)
-        }
-        Design::Tripod { .. } => return None,
+    let differs = |key: &FittedKey| {
+        let mut pairs = key.fitting.iter().zip(&key.present);
+        pairs.any(|(fitting, present)| (fitting - present).abs() >= 1e-6)
     };
-    let base = (old + shift).map(|value| rounded(value * 1e3));
-    say("base_mm", &[base.x, base.y, base.z], &[old.x * 1e3, old.y * 1e3, old.z * 1e3]);
-    let shift = base * 1e-3 - old;
-    Some(Candidate { design, shift, keys })
+    let keys = fit.keys.into_iter().chain([moved]).filter(differs).map(|key| {
+        let values: Vec<_> = key.fitting.iter().map(ToString::to_string).collect();
+        format!("{} = [{}]", key.key, values.join(", "))
+    });
+    let keys = keys.collect();
+    Some(Candidate { design: fit.design, shift: base * 1e-3 - old, keys })
 }
 
 /// Remaining difference, m.

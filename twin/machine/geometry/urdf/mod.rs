@@ -8,9 +8,8 @@ mod agree;
 mod fit;
 mod mass;
 
-use super::design::Design;
-use super::kind::{Family, Kind};
-use super::{Built, mount};
+use super::design::{Design, Kind};
+use super::{Built, mount, rounded};
 use crate::axis::{Axis, AxisEntry};
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
@@ -49,7 +48,7 @@ pub(super) struct Given<'a> {
     pub(super) root: &'a Section<'a>,
     pub(super) body: &'a Section<'a>,
     pub(super) kind: &'static Kind,
-    pub(super) design: &'a Design,
+    pub(super) design: &'a dyn Design,
     pub(super) axes: &'a [AxisEntry],
     pub(super) tool: &'a Tool,
     pub(super) payload: Option<&'a Inertial>,
@@ -98,11 +97,7 @@ impl Source {
     pub(super) fn build(self, given: &Given<'_>, machine: &MachineAxes) -> Option<Built> {
         let body = given.body;
         let refuse = |message: String| body.complain_at("urdf", message);
-        if matches!(given.kind.family, Family::Tripod | Family::HBelt) {
-            let what = match given.kind.family {
-                Family::Tripod => "the rods of a tripod go round in loops",
-                _ => "two motors move each coordinate of an H gantry",
-            };
+        if let Some(what) = given.kind.beyond_urdf {
             refuse(format!(
                 "{what}, and a URDF is a tree of joints that one axis moves each: leave `urdf` out, and the machine is built \
                  from its dimensions"
@@ -251,7 +246,7 @@ impl Source {
                 section.complain_at(key, message);
             }
         };
-        let shown = |value: f64| agree::rounded(entry.axis.from_si(value));
+        let shown = |value: f64| rounded(entry.axis.from_si(value));
         if let Some(limits) = joint.usable_limits() {
             let [lower, upper] = limits.map(shown);
             let [min, max] = axis.position_limits.map(shown);
