@@ -63,6 +63,7 @@ mod job;
 mod messages;
 mod planning;
 mod repair_commands;
+mod rule;
 mod table;
 mod tolerance;
 mod touch_probe;

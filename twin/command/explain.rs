@@ -95,7 +95,7 @@ enum Topic {
 impl Topic {
     fn all() -> impl Iterator<Item = Self> {
         let errors = SmcError::ALL.iter().copied().map(Self::Error);
-        errors.chain(Rule::ALL.into_iter().map(Self::Rule))
+        errors.chain(Rule::ALL.iter().copied().map(Self::Rule))
     }
 
     fn name(self) -> &'static str {
@@ -385,7 +385,7 @@ fn list(out: &mut impl Write, texts: Texts, format: Format) -> io::Result<()> {
     }
     let mut rules = table();
     rules.set_header(["rule of twin", "text"]);
-    for rule in Rule::ALL {
+    for &rule in Rule::ALL {
         rules.add_row([rule.name(), rule.meaning()[0]]);
     }
     writeln!(out, "{errors}\n{rules}")

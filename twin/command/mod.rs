@@ -78,20 +78,37 @@ Start with:
   twin run   examples/plate.cnc --machine machines/scara2.toml --serve
   twin limit examples/plate.cnc --machine machines/scara2.toml -o profile.svg";
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    Run(Box<run::Arguments>),
-    Check(Box<check::Arguments>),
-    Path(Box<path::Arguments>),
-    Limit(Box<limit::Arguments>),
-    Axes(axes::Arguments),
-    Emulate(emulate::Arguments),
-    Drive(Box<drive::Arguments>),
-    View(view::Arguments),
-    Machine(machine::Arguments),
-    Explain(explain::Arguments),
-    Cam(cam::Arguments),
-    Tune(tune::Arguments),
+/// Makes a list of modules the subcommands, each with its `Arguments` and `run`.
+macro_rules! commands {
+    ($($name:ident($module:ident),)*) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($name(Box<$module::Arguments>),)*
+        }
+
+        impl Command {
+            fn run(&self) -> Result<Status, Failure> {
+                match self {
+                    $(Self::$name(arguments) => $module::run(arguments),)*
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    Run(run),
+    Check(check),
+    Path(path),
+    Limit(limit),
+    Axes(axes),
+    Emulate(emulate),
+    Drive(drive),
+    View(view),
+    Machine(machine),
+    Explain(explain),
+    Cam(cam),
+    Tune(tune),
 }
 
 /// The command line: all commands with their arguments, options and help.
@@ -134,21 +151,7 @@ pub fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(status) => return status,
     };
-    let result = match arguments.command {
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Check(arguments) => check::run(&arguments),
-        Command::Path(arguments) => path::run(&arguments),
-        Command::Limit(arguments) => limit::run(&arguments),
-        Command::Axes(arguments) => axes::run(&arguments),
-        Command::Emulate(arguments) => emulate::run(&arguments),
-        Command::Drive(arguments) => drive::run(&arguments),
-        Command::View(arguments) => view::run(&arguments),
-        Command::Machine(arguments) => machine::run(&arguments),
-        Command::Explain(arguments) => explain::run(&arguments),
-        Command::Cam(arguments) => cam::run(&arguments),
-        Command::Tune(arguments) => tune::run(&arguments),
-    };
-    match result {
+    match arguments.command.run() {
         Ok(status) => status.into(),
         Err(failure) => {
             failure.show();

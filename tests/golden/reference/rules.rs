@@ -39,7 +39,7 @@ fn name(severity: Severity) -> &'static str {
 #[test]
 fn the_chapter_on_rules_is_up_to_date() {
     let mut page = HEAD.to_owned();
-    for rule in Rule::ALL {
+    for &rule in Rule::ALL {
         let [meaning, remedy] = rule.meaning().map(cell);
         let severities: Vec<_> = rule.severities().iter().copied().map(name).collect();
         let severities = severities.join(", ");
@@ -47,7 +47,7 @@ fn the_chapter_on_rules_is_up_to_date() {
             .expect("a string");
     }
     page.push_str(CAMS);
-    for rule in Rule::ALL {
+    for &rule in Rule::ALL {
         let Some(texts) = rule.of_cams() else { continue };
         let [meaning, remedy] = texts.map(cell);
         writeln!(page, "| `{}` | {meaning} | {remedy} |", rule.name()).expect("a string");
