@@ -1,23 +1,11 @@
 //! Findings: faults of a program, each with its rule, severity, line, value and limit.
 
-pub use crate::rule::Rule;
+pub use crate::rule::{Rule, Severity};
 use serde::Serialize;
 use std::ops::Range;
 use std::sync::Arc;
 use twin_machine::section::Elsewhere;
 use twin_path::Place;
-
-/// Severity of a finding. Ordered: the worst is the greatest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Severity {
-    /// Worth knowing.
-    Note,
-    /// The program runs, but perhaps not as meant.
-    Warning,
-    /// The program is not fit for the machine.
-    Error,
-}
 
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,8 +1,19 @@
 //! Rules: what a finding may be about, with severities and texts. A rule is one entry of `rules!`.
 
-use crate::finding::Severity;
-use crate::finding::Severity::{Error, Note, Warning};
+use Severity::{Error, Note, Warning};
 use serde::Serialize;
+
+/// Severity of a finding. Ordered: the worst is the greatest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Worth knowing.
+    Note,
+    /// The program runs, but perhaps not as meant.
+    Warning,
+    /// The program is not fit for the machine.
+    Error,
+}
 
 /// Makes the entries variants of [`Rule`].
 macro_rules! rules {

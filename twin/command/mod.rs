@@ -1,5 +1,23 @@
 //! Command line: one module per command, and the exit status of each.
 
+/// Makes a list of modules the subcommands, each with its `Arguments` and `run`.
+macro_rules! subcommands {
+    ($list:ident { $($(#[$attribute:meta])* $name:ident($module:ident),)* }) => {
+        #[derive(Debug, clap::Subcommand)]
+        enum $list {
+            $($(#[$attribute])* $name(Box<$module::Arguments>),)*
+        }
+
+        impl $list {
+            fn run(&self) -> Result<Status, Failure> {
+                match self {
+                    $(Self::$name(arguments) => $module::run(arguments),)*
+                }
+            }
+        }
+    };
+}
+
 mod assume;
 mod atomic_file;
 mod axes;
@@ -28,7 +46,7 @@ use crate::check::CheckFailure;
 use crate::program::ProgramFile;
 use crate::troubleshooting::{advice, advice_in_run};
 use clap::error::ErrorKind;
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser};
 use miette::MietteDiagnostic;
 use std::io::Write;
 use std::process::ExitCode;
@@ -78,25 +96,7 @@ Start with:
   twin run   examples/plate.cnc --machine machines/scara2.toml --serve
   twin limit examples/plate.cnc --machine machines/scara2.toml -o profile.svg";
 
-/// Makes a list of modules the subcommands, each with its `Arguments` and `run`.
-macro_rules! commands {
-    ($($name:ident($module:ident),)*) => {
-        #[derive(Debug, Subcommand)]
-        enum Command {
-            $($name(Box<$module::Arguments>),)*
-        }
-
-        impl Command {
-            fn run(&self) -> Result<Status, Failure> {
-                match self {
-                    $(Self::$name(arguments) => $module::run(arguments),)*
-                }
-            }
-        }
-    };
-}
-
-commands! {
+subcommands!(Command {
     Run(run),
     Check(check),
     Path(path),
@@ -109,7 +109,7 @@ commands! {
     Explain(explain),
     Cam(cam),
     Tune(tune),
-}
+});
 
 /// The command line: all commands with their arguments, options and help.
 pub fn definition() -> clap::Command {

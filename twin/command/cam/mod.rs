@@ -12,7 +12,6 @@ pub(super) use options::{LimitOptions, MasterOptions, UseOptions, load, number, 
 
 use super::{Failure, Status, run as command_run};
 use crate::finding::{Finding, Severity};
-use clap::Subcommand;
 use std::fmt;
 
 /// Check cams against the limits of their slaves, sample them, write them in other forms, draw them
@@ -25,29 +24,22 @@ pub(super) struct Arguments {
     action: Action,
 }
 
-#[derive(Debug, Subcommand)]
-enum Action {
-    Check(Box<check::Arguments>),
-    Sample(Box<sample::Arguments>),
-    Convert(Box<convert::Arguments>),
-    Plot(Box<plot::Arguments>),
+subcommands!(Action {
+    Check(check),
+    Sample(sample),
+    Convert(convert),
+    Plot(plot),
     /// Run a job, in which axes follow cams and gears, on the simulated machine and on drives, as `twin run` runs programs
     ///
     /// A job (examples/jobs, commented as documentation of the format) calls `MC_MoveAbsolute`, `MC_CamIn` and other blocks (moves,
     /// profiles over time, zeros, gears and cams; docs/src/jobs.md lists them) with the axes of a machine file and with virtual
     /// masters. The report says what the tappets of its cams switch. The job is checked first, and nothing moves if it is not fit for the
     /// machine. `twin check` and `twin run` take jobs, too.
-    Run(Box<command_run::Arguments>),
-}
+    Run(command_run),
+});
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    match &arguments.action {
-        Action::Check(arguments) => check::run(arguments),
-        Action::Sample(arguments) => sample::run(arguments),
-        Action::Convert(arguments) => convert::run(arguments),
-        Action::Plot(arguments) => plot::run(arguments),
-        Action::Run(arguments) => command_run::run(arguments),
-    }
+    arguments.action.run()
 }
 
 /// Shows findings on standard error, the worst first.

@@ -11,7 +11,7 @@ use twin_bim2ax::emulator::{
 use twin_bim2ax::{ByteOrder, Contact, EncoderBench, EncoderKind, ModuleAxis};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Options {
+pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
 
@@ -56,7 +56,7 @@ fn axis() -> impl TypedValueParser<Value = ModuleAxis> {
         .map(|number| if number == 1 { ModuleAxis::One } else { ModuleAxis::Two })
 }
 
-pub(super) fn run(options: &Options) -> Result<Status, Failure> {
+pub(super) fn run(options: &Arguments) -> Result<Status, Failure> {
     if bench::help(&options.common, |words| obeyed(words, Surroundings::default()).map(drop))? {
         return Ok(Status::Fit);
     }

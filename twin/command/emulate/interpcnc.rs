@@ -11,7 +11,7 @@ use twin_interpcnc::emulator::{
 use twin_interpcnc::{BoardAxis, Line, Parity};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Options {
+pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
 
@@ -67,7 +67,7 @@ const CONDITIONS: [(&str, Condition); 10] = [
     ("recipes-changed", Condition::RecipesChanged),
 ];
 
-pub(super) fn run(options: &Options) -> Result<Status, Failure> {
+pub(super) fn run(options: &Arguments) -> Result<Status, Failure> {
     if bench::help(&options.common, |words| obeyed(words, &Bench::default()).map(drop))? {
         return Ok(Status::Fit);
     }

@@ -46,21 +46,20 @@ pub(super) struct Arguments {
     device: Device,
 }
 
-#[derive(Debug, clap::Subcommand)]
-enum Device {
+subcommands!(Device {
     /// SOPROLEC InterpCNC V2.1: five step axes on Modbus RTU, on a pseudo-terminal
     ///
     /// For instance, with the port at /tmp/board:
     ///   mbpoll -m rtu -b 115200 -P none -0 -B -t 3:int -r 1026 -c 5 -1 /tmp/board
     #[command(verbatim_doc_comment)]
-    Interpcnc(interpcnc::Options),
+    Interpcnc(interpcnc),
 
     /// SmartDRIVE v1.2: one or more drives on a bus (ATB), on a pseudo-terminal
-    Smartdrive(smartdrive::Options),
+    Smartdrive(smartdrive),
 
     /// BIM2AX-BOCM: a module for two axes, its dual-port RAM in a memory file
-    Bim2ax(bim2ax::Options),
-}
+    Bim2ax(bim2ax),
+});
 
 /// What all of them have.
 #[derive(Debug, clap::Args)]
@@ -158,11 +157,7 @@ impl Common {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    match &arguments.device {
-        Device::Interpcnc(options) => interpcnc::run(options),
-        Device::Smartdrive(options) => smartdrive::run(options),
-        Device::Bim2ax(options) => bim2ax::run(options),
-    }
+    arguments.device.run()
 }
 
 /// Serves until Ctrl-C, obeying the control socket.

@@ -14,7 +14,7 @@ use twin_smartdrive::emulator::{
 use twin_smartdrive::{Alarms, Mode};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Options {
+pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
 
@@ -43,7 +43,7 @@ pub(super) struct Options {
     echo: bool,
 }
 
-pub(super) fn run(options: &Options) -> Result<Status, Failure> {
+pub(super) fn run(options: &Arguments) -> Result<Status, Failure> {
     if bench::help(&options.common, |words| obeyed(words, &options.address).map(drop))? {
         return Ok(Status::Fit);
     }
@@ -132,7 +132,7 @@ fn mode(text: &str) -> Result<Mode, String> {
 }
 
 /// Where a drive keeps its flash memory: one file each.
-fn flash_file(options: &Options, address: u8) -> Option<PathBuf> {
+fn flash_file(options: &Arguments, address: u8) -> Option<PathBuf> {
     let path = options.common.eeprom.clone()?;
     if options.address.len() == 1 {
         return Some(path);

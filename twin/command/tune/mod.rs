@@ -15,7 +15,6 @@ mod tappets;
 mod words;
 
 use super::{Failure, Status};
-use clap::Subcommand;
 
 /// Find parameters offline: from recorded runs, limits and tolerances. Nothing is written without --write
 #[derive(Debug, clap::Args)]
@@ -24,13 +23,10 @@ pub(super) struct Arguments {
     action: Action,
 }
 
-#[derive(Debug, Subcommand)]
-enum Action {
-    Cam(Box<cam::Arguments>),
-}
+subcommands!(Action {
+    Cam(cam),
+});
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    match &arguments.action {
-        Action::Cam(arguments) => cam::run(arguments),
-    }
+    arguments.action.run()
 }
