@@ -1,4 +1,4 @@
-//! Rules: what a finding may be about, with severities and texts. A rule is one entry of `rules!`.
+//! Rules: the subjects of findings, with severities and texts. A rule is one entry of `rules!`.
 
 use Severity::{Error, Note, Warning};
 use serde::Serialize;
@@ -15,7 +15,7 @@ pub enum Severity {
     Error,
 }
 
-/// Makes the entries variants of [`Rule`].
+/// Defines [`Rule`] and its texts by a table with an entry per rule.
 macro_rules! rules {
     ($($rule:ident {
         name: $name:literal,

@@ -68,7 +68,7 @@ fn limits_of_an_axis_of_a_machine() {
     let found = desk.twin(&format!("{check} --axis X --slave-offset 600")).ended(1, "").object();
     assert_eq!(found["findings"][0]["rule"], "axis-position");
     near(&found["findings"][0]["value"], 700.0);
-    desk.twin(&format!("{check} --axis Q")).ended(2, "there is no axis Q; its axes are X, Y, Z");
+    desk.twin(&format!("{check} --axis Q")).ended(2, "unknown axis Q; the axes are X, Y, Z");
     desk.write("turn.toml", &LIFT.replace("\"mm\"", "\"deg\""));
     desk.twin("cam check turn.toml --machine machine.toml --axis X")
         .ended(2, "the slave is in deg, axis X in mm");

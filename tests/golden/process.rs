@@ -605,7 +605,7 @@ fn axes_are_logged_and_their_maxima_reported() {
     let off = number(&report["axis_error"]["X"]["drives"]["max"]);
     assert!((tracking - off).abs() < 1e-9, "{tracking}, {off}");
 
-    run("none", "--log-axis Q=all:q.log").ended(2, "there is no axis `Q`; there are X, Y, Z");
+    run("none", "--log-axis Q=all:q.log").ended(2, "unknown axis `Q`; the axes are X, Y, Z");
     run("none", "--log-axis X=speed:q.log").ended(2, "`speed` is none of all, set-position");
     run("none", "--log-axis X").ended(2, "expected AXIS=VALUES:FILE");
 }

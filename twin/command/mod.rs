@@ -1,6 +1,6 @@
 //! Command line: one module per command, and the exit status of each.
 
-/// Makes a list of modules the subcommands, each with its `Arguments` and `run`.
+/// Defines an enum of subcommands, a variant per module, which has `Arguments` and `run`.
 macro_rules! subcommands {
     ($list:ident { $($(#[$attribute:meta])* $name:ident($module:ident),)* }) => {
         #[derive(Debug, clap::Subcommand)]

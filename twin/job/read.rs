@@ -228,7 +228,7 @@ impl Reader<'_> {
         let found = self.axes.iter().enumerate().find(|(_, axis)| axis.name == name);
         if found.is_none() {
             let names: Vec<_> = self.axes.iter().map(|axis| axis.name.as_str()).collect();
-            let message = format!("there is no axis \"{name}\"; there are {}", names.join(", "));
+            let message = format!("unknown axis \"{name}\"; the axes are {}", names.join(", "));
             section.complain_at(key, message);
         }
         found

@@ -152,7 +152,7 @@ fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Opti
         let found = axes.iter().position(|axis| axis.name == name);
         if found.is_none() {
             let names: Vec<_> = axes.iter().map(|axis| axis.name.as_str()).collect();
-            let message = format!("there is no axis \"{name}\"; there are {}", names.join(", "));
+            let message = format!("unknown axis \"{name}\"; the axes are {}", names.join(", "));
             section.complain_at(key, message);
         }
         found

@@ -251,11 +251,8 @@ fn of_machine(path: &Path, name: &str, file: &CamFile) -> Result<AxisLimits, Fai
     let axis = machine.axes.iter().find(|axis| axis.name == name);
     let Some(axis) = axis else {
         let names: Vec<_> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
-        let message = format!(
-            "{}: there is no axis {name}; its axes are {}",
-            path.display(),
-            names.join(", ")
-        );
+        let message =
+            format!("{}: unknown axis {name}; the axes are {}", path.display(), names.join(", "));
         return Err(Failure::Usage(message));
     };
     if !unit_fits(&file.slave, axis.kind) {

@@ -100,7 +100,7 @@ impl AxisWatchOptions {
             let axis = axis.ok_or_else(|| {
                 let names: Vec<_> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
                 let (name, names) = (&wanted.axis, names.join(", "));
-                Failure::Usage(format!("--log-axis: there is no axis `{name}`; there are {names}"))
+                Failure::Usage(format!("--log-axis: unknown axis `{name}`; the axes are {names}"))
             })?;
             let out = AtomicFile::create(&wanted.file)?;
             logs.push(Log { axis, selection: wanted.selection, out, last: None });

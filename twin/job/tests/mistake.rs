@@ -28,10 +28,10 @@ fn an_axis_that_nobody_knows_hides_nothing() {
     let keys = "cam = \"none.toml\"; start_mode = \"ramp\"; periodic = 1; at_s = -1; slave_offset_mm = \"3\"; \
                 master_offset_deg = \"9\"";
     let [slave, master] = ["`slave_offset_mm`", "`master_offset_deg`"];
-    let [no_slave, no_master] = ["there is no axis \"Q\"", "there is no axis \"belt\""];
+    let [no_slave, no_master] = ["unknown axis \"Q\"", "unknown axis \"belt\""];
     for (axis, lead, more) in [
         ("X", "shaft", [slave, master]),
-        ("X", "belt", ["there is no axis \"belt\"; there are X, Y, Z, shaft", slave]),
+        ("X", "belt", ["unknown axis \"belt\"; the axes are X, Y, Z, shaft", slave]),
         ("Q", "shaft", [no_slave, master]),
         ("Q", "belt", [no_slave, no_master]),
     ] {
@@ -64,7 +64,7 @@ fn a_mistake_makes_no_other() {
     let trigger = "[[triggers]]\nname = \"t\"\naxis = \"Q\"\nposition_mm = 3\n";
     said(
         &(trigger.to_owned() + &block("MC_Halt", "X", "")),
-        &["there is no axis \"Q\"; there are X, Y, Z"],
+        &["unknown axis \"Q\"; the axes are X, Y, Z"],
     );
 }
 
@@ -101,7 +101,7 @@ fn names_that_are_given_twice_are_listed_once() {
     let found = messages(&axes);
     let [x, n, q] = found.as_slice() else { panic!("{found:#?}") };
     assert!(x.contains("\"X\" already") && n.contains("\"n\" already"), "{found:#?}");
-    assert!(q.ends_with("there are X, Y, Z, n"), "{q}");
+    assert!(q.ends_with("the axes are X, Y, Z, n"), "{q}");
     let triggers = "[[triggers]]\nname = \"t\"\nat_s = 1\n[[triggers]]\nname = \"t\"\nat_s = 2\n";
     let found = messages(&(triggers.to_owned() + &block("MC_TouchProbe", "X", "trigger = \"u\"")));
     let [twice, none] = found.as_slice() else { panic!("{found:#?}") };

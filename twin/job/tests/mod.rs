@@ -390,7 +390,7 @@ fn mistakes_are_told_with_their_lines() {
     for (text, line, said) in [
         (String::new(), 1, "lacks [[blocks]]"),
         (block("MC_Move", "X", ""), 2, "`block` is \"MC_Move\""),
-        (block("MC_Halt", "Q", ""), 3, "there is no axis \"Q\""),
+        (block("MC_Halt", "Q", ""), 3, "unknown axis \"Q\""),
         (move_on("velocity_mm_per_s = -1"), 4, "velocity_mm_per_s"),
         (move_on("velocity_deg_per_s = 1"), 4, "unknown key"),
         (gear("master = \"X\"; ratio_numerator = 1"), 4, "follow itself"),
@@ -416,7 +416,7 @@ fn mistakes_are_told_with_their_lines() {
         ),
         (trigger(""), 1, "a trigger needs"),
         (trigger("at_s = 1\naxis = \"X\"\nposition_mm = 1\n"), 1, "a trigger needs"),
-        (trigger("axis = \"Q\"\nposition_mm = 1\n"), 3, "no axis \"Q\""),
+        (trigger("axis = \"Q\"\nposition_mm = 1\n"), 3, "unknown axis \"Q\""),
     ] {
         let (setpoints, findings) = run(&job(&text), &machine());
         assert_eq!(setpoints, [], "{text}");

@@ -1,4 +1,4 @@
-//! Kinds of machines: which axes each has, and what its family makes of `[kinematics]` and `[body]`.
+//! Kinds of machines: their axes, and the designs that families read from `[kinematics]` and `[body]`.
 //!
 //! A family is a file beside this one: its kinds, their keys, the transform and the links. [`FAMILIES`] lists them.
 
@@ -27,7 +27,7 @@ pub(super) struct Kind {
     pub(super) moves_z: bool,
     /// True if it can turn its tool about the vertical.
     pub(super) turns_tool: bool,
-    /// Why no URDF can describe its links, if so.
+    /// Reason that no URDF can describe its links, if there is one.
     pub(super) beyond_urdf: Option<&'static str>,
     /// Reads the dimensions. Complains about what is wrong with them, and is `None` then.
     pub(super) read: fn(&Sections<'_>) -> Option<Box<dyn Design>>,
@@ -41,7 +41,7 @@ impl Kind {
     }
 }
 
-/// What a machine file says of a machine's dimensions.
+/// Sections of a machine file with the dimensions of a machine.
 pub(super) struct Sections<'a> {
     /// `[kinematics]`.
     pub(super) nominal: &'a Section<'a>,
@@ -63,7 +63,7 @@ pub(super) trait Design: Debug {
     fn fit(&self, urdf: &AtZero<'_>) -> Option<Fit>;
 }
 
-/// What a model needs besides the design.
+/// Inputs of a model besides the design.
 pub(super) struct Mounted<'a> {
     /// Of the machine.
     pub(super) name: &'a str,

@@ -68,7 +68,7 @@ pub(super) const KINDS: &[Kind] = &[
     },
 ];
 
-/// Where the tool is, and what moves it.
+/// Place of the tool, and its drive.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Tool {
     Below,

@@ -175,7 +175,7 @@ fn model(
     Some(model)
 }
 
-/// With six digits behind the point at most.
+/// Rounds to six decimals.
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6 + 0.0
 }
