@@ -5,8 +5,8 @@ use crate::kinematics::ABSENT;
 use crate::transform::Values;
 use crate::transform::{Differential, Motion, Transform};
 use crate::{
-    AxisMotion, AxisVector, Branch, Coordinate, Jacobian, Kinematics, KinematicsError, Margins,
-    Pose, Result, ToolJerk, ToolMotion,
+    AxisDisc, AxisMotion, AxisVector, Branch, Coordinate, Jacobian, Kinematics, KinematicsError,
+    Margins, Pose, Result, ToolDisc, ToolJerk, ToolMotion,
 };
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -205,6 +205,10 @@ macro_rules! implement {
 
             fn margins(&self, pose: &Pose) -> Result<Margins> {
                 Ok(Transform::<$axes>::margins(self, &tool(Transform::<$axes>::coordinates(self), pose)?))
+            }
+
+            fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
+                Transform::<$axes>::disc(self, path)
             }
 
             fn characteristic_length(&self) -> f64 {

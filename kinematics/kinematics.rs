@@ -1,8 +1,8 @@
 //! [`Kinematics`]: one trait for every transform, with any number of axes.
 
 use crate::{
-    AxisMotion, AxisVector, Branch, Coordinate, Dexterity, Jacobian, Margins, Pose, Result,
-    ToolJerk, ToolMotion,
+    AxisDisc, AxisMotion, AxisVector, Branch, Coordinate, Dexterity, Jacobian, Margins, Pose,
+    Result, ToolDisc, ToolJerk, ToolMotion,
 };
 use nalgebra::Vector3;
 
@@ -93,6 +93,11 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// [`NoAxis`](crate::KinematicsError::NoAxis).
     fn margins(&self, pose: &Pose) -> Result<Margins>;
+
+    /// A disc of the parameter of a tool path on which the axes are analytic, as [`Transform::disc`](crate::Transform::disc).
+    fn disc(&self, _path: &ToolDisc) -> Option<AxisDisc> {
+        None
+    }
 
     /// A length in the order of the machine's size, m: what makes angles and lengths comparable unless the machine
     /// states another.

@@ -3,7 +3,7 @@
 use crate::smooth::SmoothMap;
 pub use crate::smooth::Values;
 use crate::turn::nearest_turn;
-use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
+use crate::{AxisDisc, Branch, Coordinate, KinematicsError, Margins, Result, ToolDisc};
 use nalgebra::{SMatrix, SVector, Vector3};
 use std::f64::consts::TAU;
 
@@ -95,6 +95,12 @@ pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'st
     /// Margins of a tool position to the edge of the reach.
     fn margins(&self, _tool: &Values<N>) -> Margins {
         Margins::UNBOUNDED
+    }
+
+    /// A disc of the parameter of a tool path on which the axes are analytic; `None` if that is not known, or out of
+    /// reach. What the transform does not have counts nothing.
+    fn disc(&self, _path: &ToolDisc) -> Option<AxisDisc> {
+        None
     }
 
     /// A length in the order of the machine's size, m: what makes angles and lengths comparable unless the machine

@@ -18,7 +18,7 @@ use super::view::{GantryToolView, GantryView, Range};
 use crate::error::{DimensionError, all_finite};
 use crate::transform::Values;
 use crate::transform::{Serial, Straight, Transform};
-use crate::{Coordinate, Result};
+use crate::{AxisDisc, AxisVector, Coordinate, Result, ToolDisc};
 use nalgebra::{SVector, Vector2, Vector3};
 
 /// A gantry with N axes, 2 or 3: x and y, or x, y and z. Its tool may be offset from their crossing ([`ToolBeside`]).
@@ -109,6 +109,12 @@ impl<const N: usize> Transform<N> for Gantry<N> {
         _near: &Values<N>,
     ) -> Result<(Values<N>, Self::Differential)> {
         Ok((tool + self.shift, Serial(Straight)))
+    }
+
+    fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
+        let radius = path.radius;
+        let way: [f64; 3] = path.way(radius).into();
+        Some(AxisDisc { radius, change: AxisVector::from_values(way.into_iter().take(N)) })
     }
 
     fn characteristic_length(&self) -> f64 {

@@ -28,7 +28,7 @@ use crate::error::{DimensionError, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::Values;
 use crate::transform::{Parallel, Transform};
-use crate::{Coordinate, Result};
+use crate::{AxisDisc, AxisVector, Coordinate, Result, ToolDisc};
 use nalgebra::{SVector, Vector2, Vector3};
 use std::f64::consts::TAU;
 
@@ -224,6 +224,16 @@ impl<const N: usize> Transform<N> for GantryCutter<N> {
         let (mut axes, flange) = self.axes_at(tool);
         self.turn_to(&mut axes, near);
         Ok((axes, Parallel(Swinging { flange, sign: self.sense.sign() })))
+    }
+
+    fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
+        let radius = path.little_turn();
+        let turn = path.turn(radius);
+        let way = path.way(radius);
+        let swing = self.tool.xy().norm() * turn.exp_m1();
+        let change = [way.x + swing, way.y + swing].into_iter();
+        let change = change.chain((N == 4).then_some(way.z)).chain([turn]);
+        Some(AxisDisc { radius, change: AxisVector::from_values(change) })
     }
 
     fn characteristic_length(&self) -> f64 {

@@ -17,7 +17,7 @@
 
 use crate::error::{DimensionError, all_finite};
 use crate::transform::{Linear, Serial, Transform};
-use crate::{Coordinate, Result};
+use crate::{AxisDisc, AxisVector, Coordinate, Result, ToolDisc};
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Layout of the belt of an H gantry, relative to the manual's drawing. Both false: as drawn there.
@@ -132,6 +132,12 @@ impl Transform<2> for GantryH2 {
         _near: &Vector2<f64>,
     ) -> Result<(Vector2<f64>, Self::Differential)> {
         Ok((self.to_axes(tool)?, Serial(self.belt)))
+    }
+
+    fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
+        let (radius, way) = (path.radius, path.way(path.radius));
+        // Each drive goes as far as both coordinates together.
+        Some(AxisDisc { radius, change: AxisVector::from_values([way.x + way.y; 2]) })
     }
 
     fn characteristic_length(&self) -> f64 {

@@ -7,8 +7,8 @@ pub use error::MachineAxesError;
 use crate::kinematics::ABSENT;
 use crate::turn::fold;
 use crate::{
-    AxisMotion, AxisVector, Branch, Coordinate, Jacobian, Kinematics, KinematicsError, MAX_AXES,
-    Margins, Pose, Result, ToolJerk, ToolMotion,
+    AxisDisc, AxisMotion, AxisVector, Branch, Coordinate, Jacobian, Kinematics, KinematicsError,
+    MAX_AXES, Margins, Pose, Result, ToolDisc, ToolJerk, ToolMotion,
 };
 use nalgebra::Vector3;
 
@@ -392,6 +392,20 @@ impl Kinematics for MachineAxes {
 
     fn margins(&self, pose: &Pose) -> Result<Margins> {
         self.transform.margins(&self.split(pose)?.1)
+    }
+
+    fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
+        let (_, pose) = self.split(&path.pose).ok()?;
+        let [rate, bend] = [&path.rate, &path.bend].map(|values| self.part_of_transform(values));
+        let part = ToolDisc { pose, rate, bend, ..*path };
+        let AxisDisc { radius, change } = self.transform.disc(&part)?;
+        // Axes of their own change as much as the tool at most; what additional axes do nobody says here.
+        let change = self.sources.iter().map(|source| match *source {
+            AxisSource::Transform(output) => change.get(output).copied().unwrap_or_default(),
+            AxisSource::Coordinate(coordinate) => coordinate.of(&path.way(radius), 0.0),
+            AxisSource::Additional(_) => 0.0,
+        });
+        Some(AxisDisc { radius, change: AxisVector::from_values(change) })
     }
 
     fn characteristic_length(&self) -> f64 {

@@ -23,7 +23,9 @@
 //!   ν = ṗ·W/(U×W),  ω = −ṗ·U/(U×W),  U×W = L1·L2·sin β
 //! ```
 
+use crate::disc::{Square, first_root};
 use nalgebra::Vector2;
+use std::f64::consts::SQRT_2;
 use wide::f64x2;
 
 /// Distance from an edge of the reach that counts as rounding, in parts of L1 + L2: four units in the last place.
@@ -44,6 +46,31 @@ pub(super) struct TwoArms {
     difference: f64,
     /// What counts as rounding in the squares of the outer and the inner distance.
     rounding: [f64; 2],
+}
+
+/// Part of what is left to an edge of the reach that a disc takes.
+const DISC: f64 = 0.6;
+/// Part of the distance from the first axis that it takes, so that the direction to the wrist stays analytic.
+const AROUND: f64 = 0.35;
+
+impl TwoArms {
+    /// A disc of the parameter up to `most` on which α and β are analytic, and how far they change within it, where the
+    /// end of the second arm has the distance `wrist` from the axis of the first.
+    ///
+    /// With w = r², dβ/dw = −1/√(o·i), and α is the direction to the wrist less an angle with the derivative
+    /// ½ + (L2² − L1²)/2w by β.
+    pub(super) fn disc(&self, wrist: &Square, most: f64) -> (f64, [f64; 2]) {
+        let w = wrist.size * wrist.size;
+        let (outer, inner) = (self.outer_squared - w, w - self.inner_squared);
+        let room = DISC * outer.min(inner).min(w);
+        let around = first_root(wrist.rate, 0.5 * wrist.bend, AROUND * wrist.size);
+        let radius = wrist.radius(room, most.min(around));
+        let change = wrist.change(radius);
+        let beta = change / ((outer - change) * (inner - change)).sqrt();
+        let arm = 0.5 + self.difference.abs() / (2.0 * (w - change));
+        let alpha = 2.0 * SQRT_2 * wrist.way(radius) / wrist.size + arm * beta;
+        (radius, [alpha, beta])
+    }
 }
 
 /// The arms at one target, within reach.

@@ -26,11 +26,13 @@
 use super::ScaraView;
 use super::chain::{Bent, Pair, TwoArms, turned};
 use super::two_link::{Elbow, check_arms};
+use crate::disc::Square;
 use crate::error::{DimensionError, ReachOf, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::{Serial, Transform};
-use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
+use crate::{AxisDisc, AxisVector, Branch, Coordinate, KinematicsError, Margins, Result, ToolDisc};
 use nalgebra::{Vector2, Vector3};
+use std::f64::consts::E;
 
 /// A SCARA with three arms in the x-y plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -251,6 +253,23 @@ impl Transform<3> for Scara3 {
     fn margins(&self, tool: &Vector3<f64>) -> Margins {
         let boundary = self.chain.margin((tool.xy() - self.hand_at(tool.z)).norm());
         Margins { boundary, branch: boundary }
+    }
+
+    fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
+        let hand = self.hand_at(path.pose.direction);
+        let wrist = path.pose.position.coords.xy() - hand;
+        let rate = path.rate.xy() - turned(hand) * path.turn_rate;
+        // Within a turn of one radian e^z − 1 − z is at most ½·e·z².
+        let swing = hand.norm() * E * (path.turn_bend + path.turn_rate * path.turn_rate);
+        let square = Square {
+            size: wrist.norm(),
+            along: wrist.dot(&rate).abs(),
+            rate: rate.norm(),
+            bend: path.bend.xy().norm() + 2.0 * swing,
+        };
+        let (radius, [alpha, beta]) = self.chain.disc(&square, path.little_turn());
+        let change = [alpha, beta, alpha + beta + path.turn(radius)];
+        Some(AxisDisc { radius, change: AxisVector::from_values(change) })
     }
 
     fn characteristic_length(&self) -> f64 {

@@ -34,10 +34,11 @@
 
 use super::ScaraView;
 use super::chain::{Bent, Pair, TwoArms};
+use crate::disc::Square;
 use crate::error::{DimensionError, ReachOf, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::{Serial, Transform};
-use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
+use crate::{AxisDisc, AxisVector, Branch, Coordinate, KinematicsError, Margins, Result, ToolDisc};
 use nalgebra::{Vector2, Vector3};
 
 /// Bend of the elbow of a SCARA.
@@ -250,6 +251,18 @@ impl Transform<2> for Scara2 {
     fn margins(&self, tool: &Vector2<f64>) -> Margins {
         let boundary = self.chain.margin(tool.norm());
         Margins { boundary, branch: boundary }
+    }
+
+    fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
+        let (tip, rate) = (path.pose.position.coords.xy(), path.rate.xy());
+        let wrist = Square {
+            size: tip.norm(),
+            along: tip.dot(&rate).abs(),
+            rate: rate.norm(),
+            bend: path.bend.xy().norm(),
+        };
+        let (radius, change) = self.chain.disc(&wrist, path.radius);
+        Some(AxisDisc { radius, change: AxisVector::from_values(change) })
     }
 
     fn characteristic_length(&self) -> f64 {

@@ -24,13 +24,13 @@
 //!   s·(p⃛ + α̇×r − q⃛·ẑ) = −3·ṡ·s̈ − s·(2·α×(ω×r) + ω×(α×r) + ω×(ω×(ω×r)))
 //! ```
 
-use super::ideal::plane_above;
+use super::ideal::{plane_above, rods_disc};
 use super::meet;
 use super::rods::Rod;
 use crate::error::{DimensionError, ReachOf, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::{Parallel, Transform};
-use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
+use crate::{AxisDisc, Branch, Coordinate, KinematicsError, Margins, Result, ToolDisc};
 use nalgebra::{Const, Isometry3, LU, Matrix6, Rotation3, Translation3, Vector3, Vector6};
 
 use std::f64::consts::TAU;
@@ -443,6 +443,15 @@ impl Transform<3> for CalibratedTripod {
             center.z += height;
         }
         Margins { boundary: self.edge(tool), branch: plane_above(&centers, tool) }
+    }
+
+    /// The platform hardly tilts: a disc of level pairs, half as wide.
+    fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
+        let (middles, lengths) = self.pairs();
+        let beside = middles.map(|middle| (path.pose.position.coords - middle).xy());
+        let [a, b, c] = beside;
+        let disc = rods_disc(path, [(a, lengths[0]), (b, lengths[1]), (c, lengths[2])]);
+        Some(AxisDisc { radius: 0.5 * disc.radius, ..disc })
     }
 
     fn characteristic_length(&self) -> f64 {

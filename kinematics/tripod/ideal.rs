@@ -38,10 +38,11 @@
 use super::meet;
 use super::rods::TripodDimensions;
 use super::view::TripodView;
+use crate::disc::Square;
 use crate::error::{DimensionError, ReachOf, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::{Parallel, Transform};
-use crate::{Branch, Coordinate, KinematicsError, Margins, Result};
+use crate::{AxisDisc, AxisVector, Branch, Coordinate, KinematicsError, Margins, Result, ToolDisc};
 use nalgebra::{Vector2, Vector3};
 
 /// What counts as rounding in L² − h², in parts of L².
@@ -170,6 +171,30 @@ impl Tripod {
         let [a, b, c] = self.towers;
         [a.push(heights[0]), b.push(heights[1]), c.push(heights[2])]
     }
+}
+
+/// Part of the square of a rod's height that a disc takes.
+const DISC: f64 = 0.6;
+
+/// A disc for three rods with these horizontal parts and lengths: the height of each is √(L² − ρ²).
+pub(super) fn rods_disc(path: &ToolDisc, rods: [(Vector2<f64>, f64); 3]) -> AxisDisc {
+    let rate = path.rate.xy();
+    let squares = rods.map(|(beside, length)| {
+        let square = Square {
+            size: beside.norm(),
+            along: beside.dot(&rate).abs(),
+            rate: rate.norm(),
+            bend: path.bend.xy().norm(),
+        };
+        (square, length * length - beside.norm_squared())
+    });
+    let smallest = |radius: f64, (square, left): &(Square, f64)| square.radius(DISC * left, radius);
+    let radius = squares.iter().fold(path.radius, smallest);
+    let change = squares.map(|(square, left)| {
+        let height = left.max(0.0).sqrt();
+        path.way(radius).z + height - (left - square.change(radius)).max(0.0).sqrt()
+    });
+    AxisDisc { radius, change: AxisVector::from_values(change) }
 }
 
 /// Distance of the plane through three points above `point`, along its normal.
@@ -311,6 +336,11 @@ impl Transform<3> for Tripod {
             .to_axes(tool)
             .map_or(0.0, |axes| plane_above(&self.centers(&axes), &(tool - self.tool)));
         Margins { boundary, branch }
+    }
+
+    fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
+        let beside = self.beside(&(path.pose.position.coords - self.tool));
+        Some(rods_disc(path, beside.map(|beside| (beside, self.dimensions.rod_length))))
     }
 
     fn characteristic_length(&self) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::PathPoint;
 use super::curve::{Curve, Planar};
+use super::disc::{CHANGE, first_root};
 use nalgebra::{Point2, Point3, Vector2};
 
 /// A cubic in X and Y over a parameter t from 0 to 1, with Z linear in the path length: the manual's `SPLINE`.
@@ -36,6 +37,10 @@ impl Planar for Form {
 
     fn fourth(&self, _: f64) -> Vector2<f64> {
         Vector2::zeros()
+    }
+
+    fn room(&self, t: f64, first: f64, second: f64) -> f64 {
+        first_root(second, 0.5 * self.third(t).norm(), CHANGE * first)
     }
 }
 
@@ -114,6 +119,10 @@ impl Cubic {
 
     pub(super) fn fourth(&self, s: f64) -> Vector2<f64> {
         self.curve.fourth(s)
+    }
+
+    pub(super) fn disc(&self, s: f64) -> [f64; 2] {
+        self.curve.disc(s)
     }
 
     /// The part between two path lengths, from `start` to `end`.

@@ -38,6 +38,10 @@ pub(super) trait Planar {
     /// Fourth derivative with respect to t, m.
     fn fourth(&self, t: f64) -> Vector2<f64>;
 
+    /// How far t may go into complex numbers about `t` so that the first derivative changes by no more than
+    /// [`CHANGE`](super::disc::CHANGE) of its size `first`, where `second` is that of the second.
+    fn room(&self, t: f64, first: f64, second: f64) -> f64;
+
     /// Speed with respect to t, m.
     fn speed(&self, t: f64) -> f64 {
         self.at(t).1.norm()
@@ -53,7 +57,7 @@ pub(super) struct Curve<P> {
     /// Parameter and planar length at the panels' ends.
     panels: Box<[Knot]>,
     /// Length in X and Y.
-    planar: f64,
+    pub(super) planar: f64,
     length: f64,
 }
 
@@ -301,6 +305,10 @@ mod tests {
     struct Scaled(f64);
 
     impl Planar for Scaled {
+        fn room(&self, _: f64, _: f64, _: f64) -> f64 {
+            0.0
+        }
+
         fn at(&self, t: f64) -> (Point2<f64>, Vector2<f64>, Vector2<f64>) {
             let along = |value: f64| Vector2::new(0.6, 0.8) * (value * self.0);
             (along(t + t.powi(3) / 3.0).into(), along(1.0 + t * t), along(2.0 * t))

@@ -2,8 +2,9 @@
 
 use super::PathPoint;
 use super::curve::{Curve, Planar};
+use super::disc::{CHANGE, first_root};
 use nalgebra::{Point2, Point3, Vector2};
-use std::f64::consts::TAU;
+use std::f64::consts::{E, TAU};
 
 /// Tolerance of the end of an ellipse that is given by its ratio, as a part of its size. Programs with three decimals
 /// need it.
@@ -53,6 +54,15 @@ impl Planar for Form {
         let around = (self.minor * cos - self.major * sin) * self.sweep;
         let size = self.size + t * self.growth;
         (around * size + outward * (3.0 * self.growth)) * (-self.sweep * self.sweep)
+    }
+
+    fn room(&self, _: f64, first: f64, second: f64) -> f64 {
+        let Self { major, minor, sweep, size, growth, .. } = self;
+        let turn = sweep.abs();
+        // Within one radian about the place nothing grows by more than e.
+        let around = (major.norm() + minor.norm()) * turn * turn;
+        let third = E * around * ((size + 2.0 * growth.abs()) * turn + 3.0 * growth.abs());
+        first_root(second, 0.5 * third, CHANGE * first).min(1.0 / turn)
     }
 
     fn fourth(&self, t: f64) -> Vector2<f64> {
@@ -200,6 +210,10 @@ impl Ellipse {
 
     pub(super) fn fourth(&self, s: f64) -> Vector2<f64> {
         self.curve.fourth(s)
+    }
+
+    pub(super) fn disc(&self, s: f64) -> [f64; 2] {
+        self.curve.disc(s)
     }
 
     /// The part between two path lengths, from `start` to `end`.

@@ -27,6 +27,7 @@ mod bounds;
 mod cubic;
 mod curve;
 mod details;
+mod disc;
 pub mod dxf;
 mod ellipse;
 mod marks;
@@ -49,6 +50,7 @@ pub use details::{
     AxisMask, Details, EXTRA_AXES, ExtraAxes, ExtraPosition, MAX_SWITCHES, MParameters, Switch,
     Switches,
 };
+pub use disc::PathDisc;
 pub use ellipse::{Ellipse, EllipseError};
 pub use marks::Marks;
 pub use operations::{OperationError, Similarity, reversed};

@@ -32,4 +32,5 @@
 //! ```
 
 pub mod controller;
+pub mod planned_motion;
 pub mod time_optimal;

@@ -4,7 +4,8 @@ use super::bound::{AxisLimits, Cap, Rates};
 use super::drag::DragRow;
 use crate::time_optimal::blended_path::{BlendedElement, BlendedPoint};
 use twin_kinematics::{
-    AxisVector, Kinematics, KinematicsError, MAX_AXES, Pose, ToolJerk, ToolMotion,
+    AxisDisc, AxisVector, Kinematics, KinematicsError, MAX_AXES, Pose, ToolDisc, ToolJerk,
+    ToolMotion,
 };
 
 /// A machine has no more further rows than this: both directions of every motor.
@@ -37,6 +38,13 @@ pub trait AxisPath {
         s: f64,
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError>;
+
+    /// A disc of the parameter about `s` of `element`, where the axes are at `point`, on which they are analytic; none if
+    /// nothing is known of that.
+    fn disc(&self, element: &BlendedElement, s: f64, point: &AxisPoint) -> Option<AxisDisc> {
+        let _ = (element, s, point);
+        None
+    }
 
     /// Number of rows of [`Self::further`], the same at every place: at most [`MOST_FURTHER_ROWS`].
     fn further_rows(&self) -> usize {
@@ -97,6 +105,30 @@ impl<K: Kinematics> AxisPath for KinematicPath<K> {
         let jerk = ToolJerk { linear: third, direction: bearing.third };
         axis_point(&self.kinematics, &tool, &jerk, near)
     }
+
+    fn disc(&self, element: &BlendedElement, s: f64, _point: &AxisPoint) -> Option<AxisDisc> {
+        let point = element.at(s);
+        let bearing = element.bearing(s, &point).unwrap_or_default();
+        let pose = Pose { position: point.position, direction: bearing.along };
+        let path = element.disc(s);
+        self.kinematics.disc(&ToolDisc {
+            pose,
+            rate: point.first,
+            bend: path.bend,
+            turn_rate: bearing.first,
+            // Along lines and arcs the direction is linear; along other curves this is an estimate.
+            turn_bend: 2.0 * bearing.second.abs(),
+            radius: within(path.radius, element),
+        })
+    }
+}
+
+/// Discs need not be wider than this many lengths of an element.
+const WIDE: f64 = 1e4;
+
+/// `radius`, or what is more than wide enough for `element`.
+pub fn within(radius: f64, element: &BlendedElement) -> f64 {
+    radius.min(WIDE * element.length())
 }
 
 /// The axes of `kinematics` for a tool and its jerk, both with the parameter in the place of time.

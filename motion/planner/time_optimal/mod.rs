@@ -32,7 +32,7 @@ mod sample;
 mod sensitivity;
 mod smooth;
 
-pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point};
+pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point, within};
 pub use bound::{
     AxisLimits, Cap, CapSource, Constraint, Disc, FIRST_FURTHER_ROW, JerkRow, Rates, Row,
 };

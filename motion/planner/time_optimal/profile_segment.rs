@@ -89,6 +89,14 @@ impl ProfileSegment {
         self.duration
     }
 
+    /// √|γ| where γ is not 0: how fast the exponential functions are that it is made of, 1/s.
+    pub(crate) fn rate(&self) -> Option<f64> {
+        match self.law {
+            Law::Quadratic { gamma, .. } if gamma != 0.0 => Some(gamma.abs().sqrt()),
+            _ => None,
+        }
+    }
+
     /// Its law of motion.
     pub fn law(&self) -> Law {
         self.law

@@ -2,7 +2,7 @@
 
 use super::{BlendedPoint, Order};
 use nalgebra::{Point3, SVector, Vector2};
-use twin_path::ExtraPoint;
+use twin_path::{ExtraPoint, PathDisc};
 
 /// Blend of a joint: a quintic in each coordinate and extra axis over the last [`Self::half_width`] metres of one
 /// element and as many of the next. At both ends it has the position and the first two derivatives of the path it
@@ -72,6 +72,17 @@ impl Blend {
             ExtraPoint { position, first, second, third }
         });
         BlendedPoint { position: position.into(), first, second, third, extra }
+    }
+
+    /// The blend within twice its reach, as [`PathDisc`].
+    pub(super) fn disc(&self) -> PathDisc {
+        let scale = self.half_width * self.half_width;
+        let mut extra_bend = [0.0; 5];
+        if let Some(extra) = &self.extra {
+            extra_bend = (extra.largest_second() / scale).into();
+        }
+        let bend = self.space.largest_second() / scale;
+        PathDisc { radius: self.half_width, bend, extra_bend }
     }
 
     /// The fourth derivative of X and Y at `way` m from the joint, 1/m³.
@@ -151,6 +162,13 @@ impl<const N: usize> Hermite<N> {
         let second = second / scale / scale;
         let third = third / scale / scale / scale;
         [self.origin + position, first / scale, second, third]
+    }
+
+    /// No less than the second derivative for complex |x| ≤ 2.
+    fn largest_second(&self) -> SVector<f64, N> {
+        let [_, _, c2, c3, c4, c5] = self.coefficients.map(|c| c.abs());
+        let [c6, c7] = self.further.unwrap_or([SVector::zeros(); 2]).map(|c| c.abs());
+        c2 * 2.0 + c3 * 12.0 + c4 * 48.0 + c5 * 160.0 + c6 * 480.0 + c7 * 1_344.0
     }
 
     /// The fourth derivative, as [`Self::at`].

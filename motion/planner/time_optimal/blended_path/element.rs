@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 use std::sync::Arc;
 use twin_path::Place;
 use twin_path::prepare::{CheckedElement, curvature};
-use twin_path::{ElementKind, ExtraPoint};
+use twin_path::{ElementKind, ExtraPoint, PathDisc};
 
 /// Places nearer to each other than this part of the length are one.
 pub(super) const SAME_PLACE: f64 = 1e-9;
@@ -169,6 +169,17 @@ impl BlendedElement {
             (Some(blend), _) if s <= blend.half_width() => blend.at(s),
             (_, Some(blend)) if s >= self.tail_start() => blend.at(s - length),
             _ => BlendedPoint::of(&self.element, s),
+        }
+    }
+
+    /// How the course goes on into complex parameters about `s`.
+    pub fn disc(&self, s: f64) -> PathDisc {
+        let length = self.length();
+        match (&self.head, &self.tail) {
+            (Some(blend), _) if s <= blend.half_width() => blend.disc(),
+            (_, Some(blend)) if s >= self.tail_start() => blend.disc(),
+            _ if self.is_turn() || !self.element.has_path() => PathDisc::STRAIGHT,
+            _ => self.element.disc(s.clamp(0.0, length)),
         }
     }
 

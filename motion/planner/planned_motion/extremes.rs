@@ -1,0 +1,352 @@
+//! Extremes of the axes along a piece of a plan, without samples.
+//!
+//! At a node, an instant of the piece, positions of the axes and their first three derivatives by time are known in closed
+//! form. Between two nodes the velocity of an axis is the polynomial of degree five that has the values, first and second
+//! derivatives of both, but for a remainder. A disc about the middle on which the axes are analytic bounds the
+//! remainder: if an axis changes by no more than B within the radius ρ about every instant between two nodes that are
+//! h apart, its seventh derivative is at most 7!·B/ρ⁷ (Cauchy), and velocity, acceleration and jerk differ from the
+//! polynomial and its derivatives by at most 7·B·h⁶/ρ⁷, 42·B·h⁵/ρ⁷ and 210·B·h⁴/ρ⁷ (by Rolle's theorem the difference of
+//! the k-th derivatives has 6 − k zeros). Intervals are bisected where that matters. A disc also proves that the whole
+//! interval is within reach.
+//!
+//! At an edge of the reach no disc is left. There the bisection ends at [`Extremes::smallest`]: what the velocity changes
+//! across the last interval is a step.
+
+use super::Piece;
+use super::bernstein::Bernstein;
+use crate::time_optimal::blended_path::BlendedElement;
+use crate::time_optimal::{AxisPath, AxisPoint, Rates};
+use twin_kinematics::{AxisVector, KinematicsError, MAX_AXES};
+
+/// To these parts of themselves extremes of velocity, acceleration and jerk are certain.
+const CERTAIN: [f64; 3] = [TOLERANCE, TOLERANCE, 1e-3];
+/// Between nodes an extreme of a polynomial is exact to this part of itself.
+const TOLERANCE: f64 = 1e-6;
+/// A disc need not be wider than this many intervals.
+const WIDE: f64 = 1e4;
+/// Intervals of a piece about whose axes nothing is known but their derivatives.
+const SAMPLED: u32 = 16;
+
+/// A value and when it is taken, s from the start of the piece.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Largest {
+    /// Not negative.
+    pub value: f64,
+    /// s.
+    pub at: f64,
+}
+
+impl Largest {
+    fn include(&mut self, value: f64, at: f64) {
+        if !(value <= self.value) {
+            *self = Self { value, at };
+        }
+    }
+}
+
+/// What is of no interest below: the smaller of what is known to be taken elsewhere and of what is allowed, and a small part
+/// of that at least. SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floor {
+    /// Positions between these.
+    pub position: [f64; 2],
+    /// Velocities up to this.
+    pub velocity: f64,
+    /// Accelerations up to this.
+    pub acceleration: f64,
+    /// Decelerations up to this, where they have a limit of their own.
+    pub deceleration: Option<f64>,
+    /// Jerks up to this.
+    pub jerk: f64,
+}
+
+/// The largest values of one axis along a piece, as far as they are above its [`Floor`]. SI.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisExtremes {
+    /// Smallest and largest position, as far as they are beyond that of the floor.
+    pub position: Option<[f64; 2]>,
+    /// Speed.
+    pub velocity: Largest,
+    /// Acceleration; where deceleration has a floor of its own, that of growing speed.
+    pub acceleration: Largest,
+    /// Deceleration, where it has a floor of its own.
+    pub deceleration: Largest,
+    /// Jerk.
+    pub jerk: Largest,
+    /// Change of the velocity at once, at an edge of the reach.
+    pub step: Largest,
+}
+
+/// State of the axes at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Node {
+    /// s from the start of the piece.
+    pub time: f64,
+    /// m or rad.
+    pub position: AxisVector,
+    /// First to third derivative by time.
+    pub rates: [AxisVector; 3],
+    /// Radius of the disc, s, and how far the axes change within it; none if nothing is known.
+    disc: Option<(f64, AxisVector)>,
+}
+
+/// The extremes of all axes along a piece.
+#[derive(Clone, Debug)]
+pub struct Extremes {
+    /// In the order of the axes.
+    pub axes: [AxisExtremes; MAX_AXES],
+    /// First and last instant.
+    pub ends: [Node; 2],
+    /// The tool is within reach all the way.
+    pub is_proven: bool,
+}
+
+/// A point out of reach, and when it is wanted, s from the start of the piece.
+#[derive(Clone, Copy, Debug)]
+pub struct OutOfReach {
+    /// s.
+    pub at: f64,
+    /// The reason.
+    pub error: KinematicsError,
+}
+
+/// Examines pieces of plans on a machine.
+#[derive(Debug)]
+pub struct Examiner<'a, A> {
+    axes: &'a A,
+    /// Shortest interval, s.
+    smallest: f64,
+}
+
+impl<'a, A: AxisPath> Examiner<'a, A> {
+    /// Of plans on the machine `axes`, with intervals down to `smallest`, s.
+    pub fn new(axes: &'a A, smallest: f64) -> Self {
+        Self { axes, smallest }
+    }
+
+    /// The extremes of `piece` of `element`, which begins near `near`, as far as they are above `floors`.
+    ///
+    /// # Errors
+    /// [`OutOfReach`].
+    pub fn examine(
+        &self,
+        element: &BlendedElement,
+        piece: &Piece,
+        near: &AxisVector,
+        floors: &[Floor],
+    ) -> Result<Extremes, OutOfReach> {
+        let first = self.node(element, piece, 0.0, near)?;
+        let last = self.node(element, piece, piece.duration, &first.position)?;
+        let axes = [AxisExtremes::default(); MAX_AXES];
+        let mut found = Extremes { axes, ends: [first, last], is_proven: true };
+        for node in [&first, &last] {
+            found.take(node, floors);
+        }
+        let mut left = vec![[first, last]];
+        while let Some([from, to]) = left.pop() {
+            let width = to.time - from.time;
+            if width <= 0.0 {
+                continue;
+            }
+            if width <= self.smallest {
+                found.step(&from, &to);
+                continue;
+            }
+            let middle = self.node(element, piece, from.time.midpoint(to.time), &from.position)?;
+            found.take(&middle, floors);
+            let settled = match &middle.disc {
+                Some((radius, change)) => {
+                    let between = Between { from: &from, to: &to, radius: *radius, change };
+                    found.settle(&between, floors, self.smallest)
+                }
+                None => {
+                    found.is_proven = false;
+                    width * f64::from(SAMPLED) <= piece.duration
+                }
+            };
+            if !settled {
+                left.push([middle, to]);
+                left.push([from, middle]);
+            }
+        }
+        Ok(found)
+    }
+
+    fn node(
+        &self,
+        element: &BlendedElement,
+        piece: &Piece,
+        time: f64,
+        near: &AxisVector,
+    ) -> Result<Node, OutOfReach> {
+        let (state, jerk) = piece.at(time);
+        let point = self.axes.axes(element, state.position, near);
+        let point = point.map_err(|error| OutOfReach { at: time, error })?;
+        let AxisPoint { position, rates: Rates { first, second, third } } = point;
+        let (v, a) = (state.velocity, state.acceleration);
+        let each = |of: &dyn Fn(f64, f64, f64) -> f64| {
+            let values = first.iter().zip(second.iter()).zip(third.iter());
+            AxisVector::from_values(values.map(|((d1, d2), d3)| of(*d1, *d2, *d3)))
+        };
+        let rates = [
+            each(&|d1, _, _| d1 * v),
+            each(&|d1, d2, _| d1 * a + d2 * v * v),
+            each(&|d1, d2, d3| d1 * jerk + 3.0 * d2 * v * a + d3 * v * v * v),
+        ];
+        let disc = self.axes.disc(element, state.position, &point).map(|disc| {
+            let [time, way] = piece.law.time_for(&state, jerk, disc.radius);
+            // By Schwarz's lemma the axes change by no more than this part within it.
+            let part = if disc.radius > 0.0 { way / disc.radius } else { 0.0 };
+            (time, AxisVector::from_values(disc.change.iter().map(|change| change * part)))
+        });
+        Ok(Node { time, position, rates, disc })
+    }
+}
+
+/// Two nodes, and the disc about their middle.
+struct Between<'n> {
+    from: &'n Node,
+    to: &'n Node,
+    radius: f64,
+    change: &'n AxisVector,
+}
+
+impl Extremes {
+    /// Takes the values at an instant.
+    fn take(&mut self, node: &Node, floors: &[Floor]) {
+        for (index, (axis, floor)) in self.axes.iter_mut().zip(floors).enumerate() {
+            let Some(position) = node.position.get(index) else { break };
+            let [v, a, j] = node.rates.map(|rates| rates[index]);
+            axis.include_position([*position; 2], floor);
+            axis.velocity.include(v.abs(), node.time);
+            let slows = floor.deceleration.is_some() && v * a < 0.0;
+            let largest = if slows { &mut axis.deceleration } else { &mut axis.acceleration };
+            largest.include(a.abs(), node.time);
+            axis.jerk.include(j.abs(), node.time);
+        }
+    }
+
+    /// No disc is left between two nodes: a step.
+    fn step(&mut self, from: &Node, to: &Node) {
+        self.is_proven = false;
+        for (index, axis) in self.axes.iter_mut().take(from.position.len()).enumerate() {
+            let change = (to.rates[0][index] - from.rates[0][index]).abs();
+            axis.step.include(change, from.time);
+        }
+    }
+
+    /// Takes the extremes between two nodes; false if they are not certain enough.
+    fn settle(&mut self, between: &Between<'_>, floors: &[Floor], smallest: f64) -> bool {
+        let Between { from, to, radius, change } = between;
+        let width = to.time - from.time;
+        // About every instant between the two.
+        let radius = radius.min(WIDE * width) - 0.5 * width;
+        if !(radius > 0.0) {
+            return false;
+        }
+        let count = from.position.len();
+        let ratio = width / radius;
+        let scale = ratio.powi(4) / radius;
+        let mut curves = [None; MAX_AXES];
+        for (index, (axis, floor)) in self.axes.iter().zip(floors).take(count).enumerate() {
+            // A disc that is larger than it is taken is no worse.
+            let most = change[index] * (between.radius.min(WIDE * width) / between.radius).min(1.0);
+            let most = if most.is_finite() { most } else { 0.0 };
+            let errors = [
+                7.0 * most * scale * ratio * ratio,
+                42.0 * most * scale * ratio / radius,
+                210.0 * most * scale / (radius * radius),
+            ];
+            let ends = [from, to].map(|node| {
+                let [v, a, j] = node.rates.map(|rates| rates[index]);
+                [v, a * width, j * width * width]
+            });
+            let velocity = Bernstein::hermite(ends[0], ends[1]);
+            let acceleration = velocity.derivative(width);
+            let jerk = acceleration.derivative(width);
+            let certain = |order: usize, curve: &Bernstein, known: f64, floor: f64| {
+                let [low, high] = curve.hull();
+                let least = known.max(floor);
+                let slack = CERTAIN[order] * least;
+                let bound = low.abs().max(high.abs()) + errors[order];
+                bound <= least + slack || errors[order] <= slack
+            };
+            let [mut harder, mut floor_harder] = [axis.acceleration.value, floor.acceleration];
+            if let Some(deceleration) = floor.deceleration {
+                harder = harder.min(axis.deceleration.value);
+                floor_harder = floor_harder.min(deceleration);
+            }
+            if !certain(0, &velocity, axis.velocity.value, floor.velocity)
+                || !certain(1, &acceleration, harder, floor_harder)
+                || !certain(2, &jerk, axis.jerk.value, floor.jerk)
+            {
+                return false;
+            }
+            // Which limit counts depends on the sign of the velocity.
+            let [low, high] = velocity.hull();
+            let both = low < -rounding(floor) && high > rounding(floor);
+            if floor.deceleration.is_some() && both && width > 2.0 * smallest {
+                return false;
+            }
+            curves[index] = Some((velocity, acceleration, jerk));
+        }
+        for (index, (axis, floor)) in self.axes.iter_mut().zip(floors).take(count).enumerate() {
+            let Some((velocity, acceleration, jerk)) = curves[index] else { continue };
+            let time = |part: f64| from.time + part * width;
+            let upper = |curve: &Bernstein, floor: f64, of: &mut Largest| {
+                if let Some((value, part)) = curve.largest(floor.max(of.value), TOLERANCE) {
+                    of.include(value, time(part));
+                }
+            };
+            let largest = |curve: &Bernstein, floor: f64, of: &mut Largest| {
+                upper(curve, floor, of);
+                upper(&curve.negative(), floor, of);
+            };
+            largest(&velocity, floor.velocity, &mut axis.velocity);
+            largest(&jerk, floor.jerk, &mut axis.jerk);
+            match floor.deceleration {
+                None => largest(&acceleration, floor.acceleration, &mut axis.acceleration),
+                Some(deceleration) => {
+                    // Where the velocity is 0 the neighbours say which limit counts.
+                    let [low, high] = velocity.hull();
+                    let growing = if low >= -rounding(floor) {
+                        Some(acceleration)
+                    } else {
+                        (high <= rounding(floor)).then(|| acceleration.negative())
+                    };
+                    if let Some(growing) = growing {
+                        upper(&growing, floor.acceleration, &mut axis.acceleration);
+                        upper(&growing.negative(), deceleration, &mut axis.deceleration);
+                    }
+                }
+            }
+            let [low, high] = velocity.hull();
+            if low < 0.0 && high > 0.0 {
+                let (start, curve) = (from.position[index], velocity.integral(width));
+                let [least, most] = floor.position.map(|position| position - start);
+                if let Some((value, _)) = curve.largest(most, TOLERANCE) {
+                    axis.include_position([start + value; 2], floor);
+                }
+                if let Some((value, _)) = curve.negative().largest(-least, TOLERANCE) {
+                    axis.include_position([start - value; 2], floor);
+                }
+            }
+        }
+        true
+    }
+}
+
+/// A velocity up to this is 0, m/s or rad/s.
+fn rounding(floor: &Floor) -> f64 {
+    TOLERANCE * floor.velocity
+}
+
+impl AxisExtremes {
+    fn include_position(&mut self, [low, high]: [f64; 2], floor: &Floor) {
+        let [least, most] = floor.position;
+        if !(low >= least && high <= most) {
+            let [known_low, known_high] = self.position.unwrap_or([low, high]);
+            self.position = Some([known_low.min(low), known_high.max(high)]);
+        }
+    }
+}

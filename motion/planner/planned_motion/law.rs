@@ -1,0 +1,134 @@
+//! Laws of motion along one piece of a plan.
+
+use crate::controller::PathState;
+use crate::time_optimal::ProfileSegment;
+
+/// cosh 1: no hyperbolic cosine of a complex number of size 1 is larger.
+const COSH_1: f64 = 1.543_080_634_815_243_8;
+
+/// Path length over time from the start of a piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// s = v·t + a·t²/2 + j·t³/6.
+    Poly {
+        /// Velocity at the start, m/s.
+        velocity: f64,
+        /// Acceleration at the start, m/s².
+        acceleration: f64,
+        /// Jerk, m/s³.
+        jerk: f64,
+    },
+    /// A part of a ramp v = v₀ + ½·Δv·(1 − cos ω·(t + t₀)), which is slower by `less` where the ramp was cut.
+    Sine {
+        /// v₀ less what is cut, m/s.
+        velocity: f64,
+        /// Δv of the whole ramp, m/s.
+        change: f64,
+        /// ω, rad/s.
+        angular: f64,
+        /// t₀, s.
+        skipped: f64,
+    },
+    /// v² is a quadratic function of the path length.
+    Segment(ProfileSegment),
+}
+
+/// Part of an element and the law by which it is travelled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Its begin on the element, m.
+    pub from: f64,
+    /// s.
+    pub duration: f64,
+    /// Its law.
+    pub law: Law,
+}
+
+impl Piece {
+    /// At rest.
+    pub fn resting(from: f64, duration: f64) -> Self {
+        let law = Law::Poly { velocity: 0.0, acceleration: 0.0, jerk: 0.0 };
+        Self { from, duration, law }
+    }
+
+    /// State `time` s after its begin, on the element, and the jerk along the path, m/s³.
+    pub fn at(&self, time: f64) -> (PathState, f64) {
+        let (mut state, jerk) = self.law.at(time);
+        state.position += self.from;
+        (state, jerk)
+    }
+}
+
+impl Law {
+    fn at(&self, t: f64) -> (PathState, f64) {
+        match *self {
+            Self::Poly { velocity, acceleration, jerk } => {
+                let position = t * (velocity + t * (0.5 * acceleration + t * (jerk / 6.0)));
+                let velocity = velocity + t * (acceleration + t * (0.5 * jerk));
+                (PathState { position, velocity, acceleration: acceleration + jerk * t }, jerk)
+            }
+            Self::Sine { velocity, change, angular, skipped } => {
+                let half = 0.5 * change;
+                let (sin0, _) = (angular * skipped).sin_cos();
+                let (sin, cos) = (angular * (t + skipped)).sin_cos();
+                let state = PathState {
+                    position: (velocity + half) * t - half * (sin - sin0) / angular,
+                    velocity: velocity + half * (1.0 - cos),
+                    acceleration: half * angular * sin,
+                };
+                (state, half * angular * angular * cos)
+            }
+            Self::Segment(segment) => {
+                let progress = segment.at(t);
+                let state = PathState {
+                    position: progress.position,
+                    velocity: progress.velocity,
+                    acceleration: progress.acceleration,
+                };
+                (state, progress.jerk)
+            }
+        }
+    }
+
+    /// The largest |θ| for which the law is bounded by [`Self::bend`]; it may be infinite.
+    fn radius(&self) -> f64 {
+        match self {
+            Self::Poly { .. } => f64::INFINITY,
+            Self::Sine { angular, .. } => 1.0 / angular,
+            Self::Segment(segment) => segment.rate().map_or(f64::INFINITY, |rate| 1.0 / rate),
+        }
+    }
+
+    /// |s(t + θ) − s(t) − v·θ| ≤ ½·bend·|θ|² for complex |θ| ≤ `radius`, in `state`.
+    fn bend(&self, state: &PathState, jerk: f64, radius: f64) -> f64 {
+        match self {
+            Self::Poly { .. } => state.acceleration.abs() + jerk.abs() * radius / 3.0,
+            Self::Sine { change, angular, .. } => 0.5 * change.abs() * angular * COSH_1,
+            Self::Segment(segment) => match segment.rate() {
+                Some(rate) => (state.acceleration.abs() + state.velocity.abs() * rate) * COSH_1,
+                None => state.acceleration.abs() + jerk.abs() * radius / 3.0,
+            },
+        }
+    }
+
+    /// The largest |θ|, or nearly, within which s changes by no more than `way` about `state`, and by how much it changes.
+    pub(super) fn time_for(&self, state: &PathState, jerk: f64, way: f64) -> [f64; 2] {
+        if !(way > 0.0) {
+            return [0.0; 2];
+        }
+        let (velocity, most) = (state.velocity.abs(), self.radius());
+        let change = |time: f64| (velocity + 0.5 * self.bend(state, jerk, time) * time) * time;
+        // By each of the terms alone, and then down.
+        let curve = self.bend(state, jerk, 0.0);
+        let cubic = if jerk == 0.0 { f64::INFINITY } else { (6.0 * way / jerk.abs()).cbrt() };
+        let quadratic = 2.0 * way / (velocity + (velocity * velocity + 2.0 * curve * way).sqrt());
+        let mut time = most.min(quadratic).min(cubic);
+        if !time.is_finite() {
+            return [time, 0.0];
+        }
+        while change(time) > way {
+            time *= 0.9;
+        }
+        [time, change(time)]
+    }
+}
