@@ -125,6 +125,7 @@ where
     /// Velocity 0 at once. False if the path shall end anyway.
     fn hold(&mut self) -> bool {
         (self.braking, self.over) = (false, false);
+        self.record_until_now();
         let Some(run) = &mut self.run else { return false };
         match run.motion {
             Motion::Along { .. } | Motion::Smooth(_) => {
@@ -270,10 +271,15 @@ where
                 _ => None,
             };
             match ramp {
-                None => self.set_off(now, at, velocity, velocity_v2),
+                None => {
+                    self.record_until_now();
+                    self.set_off(now, at, velocity, velocity_v2);
+                }
                 Some(ramp) => {
                     let time = run.start.until(self.now_ns);
                     if let Some(ramp) = ramp.cut(time) {
+                        self.record_until_now();
+                        let run = self.run.as_mut()?;
                         run.set(now, Motion::Smooth(Leg { ramp, from: at, ends: None }));
                     }
                 }
@@ -295,6 +301,7 @@ where
         let more = constant && starved && self.plan.pull();
         self.attention = self.pending() || (self.plan.limited() && self.plan.starved());
         if changes || more {
+            self.record_until_now();
             self.set_off(now, at, velocity, velocity_v2);
             // What is pending still cannot be taken over in this cycle.
             let run = self.run.as_mut()?;

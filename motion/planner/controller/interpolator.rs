@@ -10,7 +10,9 @@ use super::spans::Span;
 use super::sum::Sum;
 use super::switches::SwitchBoard;
 use super::{Inputs, Override, Source, Status, ToolSetpoint, VelocityMode};
+use crate::planned_motion::PlannedPiece;
 use nalgebra::Point3;
+use std::collections::VecDeque;
 use std::num::NonZeroU32;
 use std::task::Poll;
 use twin_path::prepare::CheckedElement;
@@ -79,6 +81,8 @@ pub struct Interpolator<P, E> {
     before: Point3<f64>,
     latest: Point3<f64>,
     pub(super) bearing: Bearing,
+    /// Pieces of the plan that are over, if they are recorded, and whether the tool turns with the path.
+    pub(super) record: Option<(VecDeque<PlannedPiece>, bool)>,
 }
 
 /// State taken over from another interpolator.
@@ -143,7 +147,31 @@ where
             before: Point3::origin(),
             latest: Point3::origin(),
             bearing: Bearing::default(),
+            record: None,
         }
+    }
+
+    /// Records the pieces of the plan from now on, with the directions of the path if the tool turns with it (`turning`).
+    pub fn record(&mut self, turning: bool) {
+        self.record = Some((VecDeque::new(), turning));
+    }
+
+    /// The next piece of the plan that is over and was recorded.
+    pub fn next_piece(&mut self) -> Option<PlannedPiece> {
+        self.record.as_mut()?.0.pop_front()
+    }
+
+    /// Records what the motion under way has done until `until`.
+    pub(super) fn record_until(&mut self, until: impl FnOnce(&Run) -> f64) {
+        if let (Some((pieces, turning)), Some(run)) = (&mut self.record, &mut self.run) {
+            run.record(until(run), *turning, |piece| pieces.push_back(piece));
+        }
+    }
+
+    /// Records what the motion under way has done until now.
+    pub(super) fn record_until_now(&mut self) {
+        let now_ns = self.now_ns;
+        self.record_until(|run| run.start.until(now_ns));
     }
 
     /// The same, going on within the first element.
@@ -311,6 +339,7 @@ where
 
     /// The last set-point: at rest where the run is.
     pub(super) fn finish(&mut self, reached: Instant) -> Option<ToolSetpoint> {
+        self.record_until_now();
         let run = self.run.as_mut()?;
         self.reached = reached;
         if let Motion::Along { .. } | Motion::Smooth(_) = run.motion {

@@ -1,5 +1,6 @@
 //! Trapezoidal velocity profile of one element (`TRAPEZOID` of `SMC_INT_VELMODE`, manual 6.2.9).
 
+use crate::planned_motion::Law;
 use twin_path::PathElement;
 
 /// Velocity over time along one element: constant acceleration from the start velocity to the peak, constant
@@ -171,6 +172,18 @@ impl Profile {
     /// Velocity at the end, m/s.
     pub fn end_velocity(&self) -> f64 {
         self.end_velocity
+    }
+
+    /// Its parts of constant acceleration: begin (s), path length there (m) and law.
+    pub(super) fn parts(&self) -> [(f64, f64, Law); 3] {
+        let law = |velocity, acceleration| Law::Poly { velocity, acceleration, jerk: 0.0 };
+        let (last, gain) = (self.rise + self.cruise, self.deceleration * self.fall);
+        let left = (self.end_velocity + 0.5 * gain) * self.fall;
+        [
+            (0.0, 0.0, law(self.start_velocity, self.acceleration)),
+            (self.rise, self.rise_length, law(self.peak_velocity, 0.0)),
+            (last, self.length - left, law(self.end_velocity + gain, -self.deceleration)),
+        ]
     }
 
     /// State `time` s after the start. Where the acceleration steps it is the one that follows; before the start

@@ -4,6 +4,7 @@
 use super::VelocityMode;
 use super::profile::PathState;
 use super::setpoint::Status;
+use crate::planned_motion::Law;
 use std::f64::consts::PI;
 
 /// Shape of a ramp between two velocities.
@@ -240,6 +241,35 @@ impl Ramp {
     /// True if the velocity is the same all along.
     pub(super) fn is_constant(&self) -> bool {
         self.shape == Shape::Constant
+    }
+
+    /// Its parts with one law each: begin (s), path length there (m) and law.
+    pub(super) fn parts(&self) -> Vec<(f64, f64, Law)> {
+        let part = |time: f64, jerk: f64| {
+            let PathState { position, velocity, acceleration } = self.at(time);
+            (time, position, Law::Poly { velocity, acceleration, jerk })
+        };
+        let full = self.duration + self.skipped;
+        let change = self.end_velocity + self.less - self.start_velocity;
+        match self.shape {
+            Shape::Constant => vec![part(0.0, 0.0)],
+            Shape::Sine => {
+                let velocity = self.start_velocity - self.less;
+                let (angular, skipped) = (PI / full, self.skipped);
+                vec![(0.0, 0.0, Law::Sine { velocity, change, angular, skipped })]
+            }
+            Shape::Jerk(bend) => {
+                let jerk = change / (full - bend) / bend;
+                let parts = [(0.0, jerk), (bend, 0.0), (full - bend, -jerk)];
+                let cut = parts.map(|(from, jerk)| ((from - self.skipped).max(0.0), jerk));
+                cut.map(|(from, jerk)| part(from, jerk)).into()
+            }
+        }
+    }
+
+    /// When the path length is `position`, s after the start.
+    pub(super) fn time_at(&self, position: f64) -> f64 {
+        largest(0.0, self.duration, |time| self.at(time).position <= position)
     }
 
     /// State `time` s after the start; before it and after the end that of the start and the end.

@@ -5,6 +5,9 @@ use super::instant::Instant;
 use super::profile::{PathState, Profile};
 use super::setpoint::{ExtraMotion, Status};
 use super::spans::Leg;
+use crate::planned_motion::{Piece, PlannedPiece};
+use crate::time_optimal::blended_path::BlendedElement;
+use std::sync::Arc;
 use twin_path::prepare::CheckedElement;
 use twin_path::{ElementKind, MParameters, PathPoint};
 
@@ -14,6 +17,8 @@ pub(super) struct Run {
     pub(super) element: CheckedElement,
     /// Largest velocity at its end: that of the element times the override, or 0 where it is stepped.
     pub(super) end_velocity: f64,
+    /// The element in the plan that is recorded, and how much of the motion is, s.
+    pub(super) recorded: (Option<Arc<BlendedElement>>, f64),
     /// Of the motion.
     pub(super) start: Instant,
     pub(super) end: Instant,
@@ -43,6 +48,7 @@ impl Run {
     pub(super) fn set(&mut self, start: Instant, motion: Motion) {
         self.start = start;
         self.motion = motion;
+        self.recorded.1 = 0.0;
         let (duration, end_velocity) = match motion {
             Motion::Along { profile, .. } => (profile.duration(), profile.end_velocity()),
             Motion::Smooth(leg) => (leg.ramp.duration(), leg.ramp.end_velocity()),
@@ -51,6 +57,42 @@ impl Run {
         self.end = start.after(duration);
         if end_velocity <= 0.0 {
             self.end = self.end.settled();
+        }
+    }
+
+    /// Calls `record` with the pieces of the motion up to `until`, s after its start, that it has not been called with.
+    pub(super) fn record(
+        &mut self,
+        until: f64,
+        turning: bool,
+        mut record: impl FnMut(PlannedPiece),
+    ) {
+        let (parts, offset, duration) = match self.motion {
+            Motion::Along { profile, from, .. } => {
+                (profile.parts().to_vec(), from, profile.duration())
+            }
+            Motion::Smooth(leg) => (leg.ramp.parts(), leg.from, leg.ramp.duration()),
+            Motion::Still | Motion::Acknowledge { .. } | Motion::Rest { .. } => return,
+        };
+        let from = std::mem::replace(&mut self.recorded.1, until);
+        let element = &self.element;
+        let element = self
+            .recorded
+            .0
+            .get_or_insert_with(|| Arc::new(BlendedElement::programmed(element.clone(), turning)));
+        let ends = parts.iter().skip(1).map(|(begin, ..)| *begin).chain([duration]);
+        for ((begin, position, law), end) in parts.iter().zip(ends) {
+            let (first, last) = (begin.max(from), end.min(until));
+            if !(last > first) {
+                continue;
+            }
+            let whole = Piece { from: offset + position, duration: end - begin, law: *law };
+            let piece = whole.part(first - begin, last - first);
+            record(PlannedPiece {
+                element: Arc::clone(element),
+                start: self.start.after(first),
+                piece,
+            });
         }
     }
 

@@ -36,6 +36,7 @@ where
                 None
             }
             Motion::Along { profile, from, to_end } => {
+                self.record_until(|_| profile.duration());
                 let velocity = profile.end_velocity();
                 if to_end {
                     self.complete();
@@ -49,10 +50,12 @@ where
                     for _ in 1..count {
                         self.pass_on();
                     }
+                    self.record_until(|_| leg.ramp.duration());
                     self.complete();
                     return self.arrive(end, velocity);
                 }
                 self.follow_to(leg.from + leg.ramp.length());
+                self.record_until(|_| leg.ramp.duration());
                 let at = self.smooth_from() + leg.ramp.length();
                 if velocity > 0.0 {
                     self.set_off(end, at, velocity, velocity * velocity);
@@ -156,6 +159,7 @@ where
         self.run = Some(Run {
             element,
             end_velocity,
+            recorded: (None, 0.0),
             start,
             end: Instant::at_ns(self.now_ns.saturating_add(time_ns)),
             motion,
@@ -211,11 +215,16 @@ where
         if self.plan.ahead() != Ahead::Path {
             return false;
         }
+        self.record_until(|run| match run.motion {
+            Motion::Smooth(leg) => leg.ramp.time_at(run.element.path_length() - leg.from),
+            _ => 0.0,
+        });
         self.complete();
         let Taken::Element(element, end_velocity) = self.plan.take() else { return false };
         let Some(run) = &mut self.run else { return false };
         let length = run.element.path_length();
         run.element = element;
+        run.recorded.0 = None;
         run.end_velocity = end_velocity;
         run.switched = 0;
         if let Motion::Smooth(leg) = &mut run.motion {

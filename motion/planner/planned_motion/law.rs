@@ -1,7 +1,10 @@
 //! Laws of motion along one piece of a plan.
 
 use crate::controller::PathState;
+use crate::controller::instant::Instant;
 use crate::time_optimal::ProfileSegment;
+use crate::time_optimal::blended_path::BlendedElement;
+use std::sync::Arc;
 
 /// cosh 1: no hyperbolic cosine of a complex number of size 1 is larger.
 const COSH_1: f64 = 1.543_080_634_815_243_8;
@@ -44,7 +47,42 @@ pub struct Piece {
     pub law: Law,
 }
 
+/// A piece in the plan of a program.
+#[derive(Clone, Debug)]
+pub struct PlannedPiece {
+    /// Its element.
+    pub element: Arc<BlendedElement>,
+    /// When it begins.
+    pub(crate) start: Instant,
+    /// Part of the element, and law of motion.
+    pub piece: Piece,
+}
+
+impl PlannedPiece {
+    /// When it begins, s after the start of the program.
+    pub fn start(&self) -> f64 {
+        self.start.seconds()
+    }
+}
+
 impl Piece {
+    /// The part of this `duration` (s) that begins `time` s after its begin.
+    #[must_use]
+    pub(crate) fn part(&self, time: f64, duration: f64) -> Self {
+        let (PathState { position, velocity, acceleration }, jerk) = self.at(time);
+        match self.law {
+            Law::Poly { .. } => {
+                let law = Law::Poly { velocity, acceleration, jerk };
+                Self { from: position, duration, law }
+            }
+            Law::Sine { skipped, velocity, change, angular } => {
+                let law = Law::Sine { skipped: skipped + time, velocity, change, angular };
+                Self { from: position, duration, law }
+            }
+            Law::Segment(_) => Self { duration, ..*self },
+        }
+    }
+
     /// At rest.
     pub fn resting(from: f64, duration: f64) -> Self {
         let law = Law::Poly { velocity: 0.0, acceleration: 0.0, jerk: 0.0 };

@@ -10,4 +10,4 @@ mod law;
 mod tests;
 
 pub use extremes::{AxisExtremes, Examiner, Extremes, Floor, Largest, Node, OutOfReach};
-pub use law::{Law, Piece};
+pub use law::{Law, Piece, PlannedPiece};

@@ -2,9 +2,11 @@
 
 use super::control::{Drip, drive};
 use super::program::{Elements, Error, Pen, checked, curved_programs, programs};
+use crate::controller::PathState;
 use crate::controller::{
     DEFAULT_CYCLE_NS, Inputs, Interpolator, LookAhead, Override, Status, ToolSetpoint, VelocityMode,
 };
+use crate::planned_motion::PlannedPiece;
 use proptest::prelude::*;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -85,6 +87,7 @@ struct Found {
     setpoints: Vec<ToolSetpoint>,
     elements_done: u64,
     length: f64,
+    pieces: Vec<PlannedPiece>,
     /// Within [`MOST`] cycles.
     ended: bool,
 }
@@ -94,13 +97,40 @@ fn find(
     inputs: impl Fn(usize) -> Inputs,
 ) -> Found {
     let mut interpolator = Interpolator::new(LookAhead::new(Drip(source)), DEFAULT_CYCLE_NS);
+    interpolator.record(false);
     let setpoints = drive(&mut interpolator, MOST, inputs);
     Found {
         setpoints,
+        pieces: std::iter::from_fn(|| interpolator.next_piece()).collect(),
         elements_done: interpolator.elements_done(),
         length: interpolator.path_length(),
         ended: interpolator.poll_cycle(&Inputs::default()) == std::task::Poll::Ready(None),
     }
+}
+
+/// Every set-point in motion is a sample of the pieces that were recorded, and these go on one from the other.
+fn samples(found: &Found) -> Result<(), TestCaseError> {
+    let mut pieces = found.pieces.iter().peekable();
+    for setpoint in found.setpoints.iter().filter(|setpoint| setpoint.path_velocity > 0.0) {
+        let until = |piece: &PlannedPiece| piece.start.until(setpoint.time_ns);
+        while pieces.next_if(|piece| until(piece) >= piece.piece.duration).is_some() {}
+        let Some(piece) = pieces.peek() else {
+            return Err(TestCaseError::fail(format!("no piece for {setpoint:?}")));
+        };
+        let (state, _) = piece.piece.at(until(piece).max(0.0));
+        let point = piece.element.at(state.position);
+        let apart = (point.position - setpoint.position).norm();
+        let slower = (state.velocity - setpoint.path_velocity).abs();
+        prop_assert!(apart < 1e-10 && slower < 1e-9, "{apart} {slower} {setpoint:?} {piece:?}");
+    }
+    for [piece, next] in found.pieces.array_windows() {
+        let rests = |state: &PathState| state.velocity < 1e-6;
+        let (end, start) = (piece.piece.at(piece.piece.duration).0, next.piece.at(0.0).0);
+        let gap = next.start() - piece.start() - piece.piece.duration;
+        let meet = gap.abs() < 1e-9 && (end.velocity - start.velocity).abs() < 1e-9;
+        prop_assert!(meet || rests(&start), "{gap} {end:?} {start:?}");
+    }
+    Ok(())
 }
 
 /// Everything that holds whatever is asked for.
@@ -110,6 +140,7 @@ fn check(
     demands: &[(usize, Inputs)],
     mode: VelocityMode,
 ) -> Result<(), TestCaseError> {
+    samples(found)?;
     let whole: Vec<_> = elements.iter().flatten().cloned().collect();
     let length: f64 = whole.iter().map(PathElement::length).sum();
     let last = found.setpoints.last().unwrap();

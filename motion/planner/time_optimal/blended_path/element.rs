@@ -51,6 +51,13 @@ impl BlendedElement {
         Self { element, head: None, tail: None, joint: Joint::STOP, transitions, held: None }
     }
 
+    /// As programmed, and not blended; if the tool turns with the path (`turning`), with its direction.
+    pub(crate) fn programmed(element: CheckedElement, turning: bool) -> Self {
+        let directions = super::turn::directions(&element).filter(|_| turning);
+        let held = directions.map(|[along, _]| Held { along, turn: 0.0 });
+        Self { held, ..Self::new(element) }
+    }
+
     /// The direction of the path counts.
     pub(super) fn hold(&mut self, held: Held) {
         self.held = Some(held);
