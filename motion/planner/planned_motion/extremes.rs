@@ -9,8 +9,8 @@
 //! the k-th derivatives has 6 − k zeros). Intervals are bisected where that matters. A disc also proves that the whole
 //! interval is within reach.
 //!
-//! At an edge of the reach no disc is left. There the bisection ends at [`Extremes::smallest`]: what the velocity changes
-//! across the last interval is a step.
+//! At an edge of the reach no disc is left, and accelerations grow without bound. There the change of the velocity across a
+//! cycle is a step, and nothing else of that cycle counts.
 
 use super::Piece;
 use super::bernstein::Bernstein;
@@ -110,18 +110,33 @@ pub struct OutOfReach {
     pub error: KinematicsError,
 }
 
+/// What is in the way of an answer.
+enum Obstacle {
+    /// An edge of the reach, s from the start of the piece.
+    Edge(f64),
+    Beyond(OutOfReach),
+}
+
+/// A piece on its element.
+#[derive(Clone, Copy)]
+struct Along<'e> {
+    element: &'e BlendedElement,
+    piece: &'e Piece,
+    floors: &'e [Floor],
+}
+
 /// Examines pieces of plans on a machine.
 #[derive(Debug)]
 pub struct Examiner<'a, A> {
     axes: &'a A,
-    /// Shortest interval, s.
-    smallest: f64,
+    /// s.
+    cycle: f64,
 }
 
 impl<'a, A: AxisPath> Examiner<'a, A> {
-    /// Of plans on the machine `axes`, with intervals down to `smallest`, s.
-    pub fn new(axes: &'a A, smallest: f64) -> Self {
-        Self { axes, smallest }
+    /// Of plans on the machine `axes`, whose set-points are `cycle` (s) apart.
+    pub fn new(axes: &'a A, cycle: f64) -> Self {
+        Self { axes, cycle }
     }
 
     /// The extremes of `piece` of `element`, which begins near `near`, as far as they are above `floors`.
@@ -135,53 +150,100 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         near: &AxisVector,
         floors: &[Floor],
     ) -> Result<Extremes, OutOfReach> {
-        let first = self.node(element, piece, 0.0, near)?;
-        let last = self.node(element, piece, piece.duration, &first.position)?;
+        let along = Along { element, piece, floors };
+        let nowhere = Node::resting(*near);
         let axes = [AxisExtremes::default(); MAX_AXES];
-        let mut found = Extremes { axes, ends: [first, last], is_proven: true };
+        let mut found = Extremes { axes, ends: [nowhere; 2], is_proven: true };
+        let mut last: Option<Node> = None;
+        let mut windows = vec![[0.0, piece.duration]];
+        while let Some([from, to]) = windows.pop() {
+            let near = last.map_or(*near, |node| node.position);
+            let mut trial = found.clone();
+            match self.window(&along, [from, to], &near, &mut trial) {
+                Ok(ends) => {
+                    found = trial;
+                    match &last {
+                        Some(before) => found.step(before, &ends[0]),
+                        None => found.ends[0] = ends[0],
+                    }
+                    last = Some(ends[1]);
+                }
+                Err(Obstacle::Beyond(error)) => return Err(error),
+                Err(Obstacle::Edge(at)) => {
+                    found.is_proven = false;
+                    let half = 0.5 * self.cycle;
+                    if at + half < to {
+                        windows.push([at + half, to]);
+                    }
+                    if from < at - half {
+                        windows.push([from, at - half]);
+                    }
+                }
+            }
+        }
+        let at_end = last.filter(|node| node.time >= piece.duration);
+        found.ends[1] = at_end.unwrap_or_else(|| {
+            // The end is at an edge: the path rests there, or goes on by nobody knows what.
+            let before = last.unwrap_or(nowhere);
+            let resting = Node { time: piece.duration, ..Node::resting(before.position) };
+            found.step(&before, &resting);
+            resting
+        });
+        Ok(found)
+    }
+
+    /// Takes the extremes of a part of a piece, whose ends it returns.
+    fn window(
+        &self,
+        along: &Along<'_>,
+        [from, to]: [f64; 2],
+        near: &AxisVector,
+        found: &mut Extremes,
+    ) -> Result<[Node; 2], Obstacle> {
+        let smallest = 1e-3 * self.cycle;
+        let first = self.node(along, from, near)?;
+        let last = self.node(along, to, &first.position)?;
         for node in [&first, &last] {
-            found.take(node, floors);
+            found.take(node, along.floors);
         }
         let mut left = vec![[first, last]];
         while let Some([from, to]) = left.pop() {
             let width = to.time - from.time;
-            if width <= 0.0 {
-                continue;
-            }
-            if width <= self.smallest {
-                found.step(&from, &to);
-                continue;
-            }
-            let middle = self.node(element, piece, from.time.midpoint(to.time), &from.position)?;
-            found.take(&middle, floors);
+            let middle = self.node(along, from.time.midpoint(to.time), &from.position)?;
+            found.take(&middle, along.floors);
             let settled = match &middle.disc {
                 Some((radius, change)) => {
                     let between = Between { from: &from, to: &to, radius: *radius, change };
-                    found.settle(&between, floors, self.smallest)
+                    found.settle(&between, along.floors)
                 }
                 None => {
                     found.is_proven = false;
-                    width * f64::from(SAMPLED) <= piece.duration
+                    width * f64::from(SAMPLED) <= along.piece.duration
                 }
             };
-            if !settled {
-                left.push([middle, to]);
-                left.push([from, middle]);
+            if settled {
+                continue;
             }
+            if width <= smallest {
+                let edge = middle.disc.is_some_and(|(radius, _)| radius < smallest);
+                if edge {
+                    return Err(Obstacle::Edge(middle.time));
+                }
+                continue;
+            }
+            left.push([middle, to]);
+            left.push([from, middle]);
         }
-        Ok(found)
+        Ok([first, last])
     }
 
-    fn node(
-        &self,
-        element: &BlendedElement,
-        piece: &Piece,
-        time: f64,
-        near: &AxisVector,
-    ) -> Result<Node, OutOfReach> {
+    fn node(&self, along: &Along<'_>, time: f64, near: &AxisVector) -> Result<Node, Obstacle> {
+        let Along { element, piece, .. } = *along;
         let (state, jerk) = piece.at(time);
-        let point = self.axes.axes(element, state.position, near);
-        let point = point.map_err(|error| OutOfReach { at: time, error })?;
+        let point = self.axes.axes(element, state.position, near).map_err(|error| match error {
+            KinematicsError::Singular(_) => Obstacle::Edge(time),
+            error => Obstacle::Beyond(OutOfReach { at: time, error }),
+        })?;
         let AxisPoint { position, rates: Rates { first, second, third } } = point;
         let (v, a) = (state.velocity, state.acceleration);
         let each = |of: &dyn Fn(f64, f64, f64) -> f64| {
@@ -200,6 +262,13 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
             (time, AxisVector::from_values(disc.change.iter().map(|change| change * part)))
         });
         Ok(Node { time, position, rates, disc })
+    }
+}
+
+impl Node {
+    fn resting(position: AxisVector) -> Self {
+        let zero = AxisVector::zeros(position.len());
+        Self { time: 0.0, position, rates: [zero; 3], disc: None }
     }
 }
 
@@ -226,9 +295,8 @@ impl Extremes {
         }
     }
 
-    /// No disc is left between two nodes: a step.
+    /// What the velocities change across an edge of the reach is a step.
     fn step(&mut self, from: &Node, to: &Node) {
-        self.is_proven = false;
         for (index, axis) in self.axes.iter_mut().take(from.position.len()).enumerate() {
             let change = (to.rates[0][index] - from.rates[0][index]).abs();
             axis.step.include(change, from.time);
@@ -236,7 +304,7 @@ impl Extremes {
     }
 
     /// Takes the extremes between two nodes; false if they are not certain enough.
-    fn settle(&mut self, between: &Between<'_>, floors: &[Floor], smallest: f64) -> bool {
+    fn settle(&mut self, between: &Between<'_>, floors: &[Floor]) -> bool {
         let Between { from, to, radius, change } = between;
         let width = to.time - from.time;
         // About every instant between the two.
@@ -285,7 +353,7 @@ impl Extremes {
             // Which limit counts depends on the sign of the velocity.
             let [low, high] = velocity.hull();
             let both = low < -rounding(floor) && high > rounding(floor);
-            if floor.deceleration.is_some() && both && width > 2.0 * smallest {
+            if floor.deceleration.is_some() && both {
                 return false;
             }
             curves[index] = Some((velocity, acceleration, jerk));

@@ -41,7 +41,7 @@ fn floor(velocity: f64, acceleration: f64, jerk: f64) -> Floor {
 fn examine(path: &impl AxisPath, shape: Shape, piece: &Piece) -> (Extremes, BlendedElement) {
     let element = element(shape);
     let floors = [floor(0.1, 1.0, 100.0); 3];
-    let found = Examiner::new(path, 1e-6).examine(&element, piece, &path.home(), &floors);
+    let found = Examiner::new(path, 1e-3).examine(&element, piece, &path.home(), &floors);
     (found.unwrap(), element)
 }
 
@@ -227,6 +227,21 @@ fn a_line_that_touches_the_edge_steps() {
     assert!(!found.is_proven);
 }
 
+/// Stopping with a constant deceleration at the outer edge, straight outwards: B arrives with √(a·Ro/(L1·L2)) for all that.
+#[test]
+fn a_stop_at_the_edge_steps() {
+    let shape = line([0.40, 0.0], [0.45, 0.0], 0.0);
+    let (length, speed) = (0.05, 0.2);
+    let deceleration = speed * speed / (2.0 * length);
+    let law = Law::Poly { velocity: speed, acceleration: -deceleration, jerk: 0.0 };
+    let piece = Piece { from: 0.0, duration: 2.0 * length / speed, law };
+    let (found, _) = examine(&scara(), shape, &piece);
+    let expected = (deceleration * 0.45 / (0.25 * 0.2)).sqrt();
+    let step = found.axes[1].step.value;
+    assert!((step / expected - 1.0).abs() < 1e-2, "{step} {expected}");
+    assert_eq!(found.ends[1].rates[0][1], 0.0);
+}
+
 #[test]
 fn a_point_out_of_reach_between_two_within_is_found() {
     // Both ends are within 0.45 m, the middle is not.
@@ -235,6 +250,6 @@ fn a_point_out_of_reach_between_two_within_is_found() {
     let element = element(shape);
     let path = scara();
     let floors = [floor(0.1, 1.0, 100.0); 3];
-    let found = Examiner::new(&path, 1e-6).examine(&element, &piece, &path.home(), &floors);
+    let found = Examiner::new(&path, 1e-3).examine(&element, &piece, &path.home(), &floors);
     assert!(found.is_err());
 }
