@@ -84,7 +84,7 @@ impl Square {
 
     /// The largest radius, or nearly, up to `most` within which |u|² changes by no more than `room`.
     pub(crate) fn radius(&self, room: f64, most: f64) -> f64 {
-        if !(room > 0.0) {
+        if room <= 0.0 || room.is_nan() {
             return 0.0;
         }
         let square = self.size * self.bend + self.rate * self.rate;

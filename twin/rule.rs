@@ -153,6 +153,12 @@ rules! {
             "let the master go no faster than `twin cam check` says (--master-jerk counts with it); choose ramp = \"parabolic\" or \"sigmoid\" in the job; `twin tune cam --find` with --minimise jerk finds scalings, --ramp-in with --ramp parabolic a ramp; points and lines that join with equal acceleration do not step (cam-continuity)",
         ],
     }
+    AxisVelocityStep {
+        name: "axis-velocity-step",
+        severities: [Error],
+        meaning: "an axis asked to change its velocity at once, by more than it can: at a corner that is passed without a stop, or at an edge of the reach",
+        remedy: "lower F to the feed in the message, let the path stop at smaller corners (`angle_tolerance_deg` in [controller]), or round them (G52)",
+    }
     AxisEffort {
         name: "axis-effort",
         severities: [Error],

@@ -1,8 +1,7 @@
 //! Cubic curves: pieces of splines (G5), parabolas (G6), and smoothed corners.
 
 use super::PathPoint;
-use super::curve::{Curve, Planar};
-use super::disc::{CHANGE, first_root};
+use super::curve::{CHANGE, Curve, Planar, first_root};
 use nalgebra::{Point2, Point3, Vector2};
 
 /// A cubic in X and Y over a parameter t from 0 to 1, with Z linear in the path length: the manual's `SPLINE`.

@@ -39,7 +39,7 @@ pub(super) trait Planar {
     fn fourth(&self, t: f64) -> Vector2<f64>;
 
     /// How far t may go into complex numbers about `t` so that the first derivative changes by no more than
-    /// [`CHANGE`](super::disc::CHANGE) of its size `first`, where `second` is that of the second.
+    /// [`CHANGE`] of its size `first`, where `second` is that of the second.
     fn room(&self, t: f64, first: f64, second: f64) -> f64;
 
     /// Speed with respect to t, m.
@@ -57,7 +57,7 @@ pub(super) struct Curve<P> {
     /// Parameter and planar length at the panels' ends.
     panels: Box<[Knot]>,
     /// Length in X and Y.
-    pub(super) planar: f64,
+    planar: f64,
     length: f64,
 }
 
@@ -294,6 +294,32 @@ fn divide<P: Planar>(
             let before = panels.last().map_or(0.0, |knot| knot.length);
             panels.push(Knot { t, length: before + length, speed: form.speed(t) });
         }
+    }
+}
+
+/// The x above 0 at which a·x + b·x² = c, none of them negative; infinite if there is none.
+pub(super) fn first_root(a: f64, b: f64, c: f64) -> f64 {
+    2.0 * c / (a + (a * a + 4.0 * b * c).sqrt())
+}
+
+/// Part of the speed by which that of a curve may change within a disc of its parameter.
+pub(super) const CHANGE: f64 = 0.26;
+
+impl<P: Planar> Curve<P> {
+    /// Radius and bend about `s` m from the start.
+    ///
+    /// Where the derivative p′ by the parameter changes by no more than 0.26·|p′|, its square, and with it that of the
+    /// speed, changes by no more than 0.6 of it. Then a disc of path lengths 0.63·|p′| as wide lies within that of the
+    /// parameter, on which the derivative by path length is at most 2. On half of it, by Cauchy, the second is at most four
+    /// by the radius.
+    pub(super) fn disc(&self, s: f64) -> [f64; 2] {
+        let t = self.parameter(s);
+        let (_, first, second) = self.form.at(t);
+        let planar = 0.63 * first.norm() * self.form.room(t, first.norm(), second.norm());
+        let level = self.planar / self.length();
+        let radius = 0.5 * planar / level;
+        let bend = 4.0 / planar * level * level;
+        if radius.is_finite() && bend.is_finite() { [radius, bend] } else { [0.0; 2] }
     }
 }
 

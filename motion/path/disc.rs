@@ -1,6 +1,5 @@
 //! Continuation of a path into complex path lengths about one of its points, for bounds of what lies between points.
 
-use super::curve::{Curve, Planar};
 use super::{AxisMask, ExtraPosition, PathElement, Shape};
 use nalgebra::Vector3;
 use std::f64::consts::E;
@@ -71,31 +70,5 @@ impl Shape {
             Self::Ellipse(ellipse) => level(ellipse.disc(s)),
             Self::Cubic(cubic) => level(cubic.disc(s)),
         }
-    }
-}
-
-/// The x above 0 at which a·x + b·x² = c, none of them negative; infinite if there is none.
-pub(super) fn first_root(a: f64, b: f64, c: f64) -> f64 {
-    2.0 * c / (a + (a * a + 4.0 * b * c).sqrt())
-}
-
-/// Part of the speed by which that of a curve may change within a disc of its parameter.
-pub(super) const CHANGE: f64 = 0.26;
-
-impl<P: Planar> Curve<P> {
-    /// Radius and bend about `s` m from the start.
-    ///
-    /// Where the derivative p′ by the parameter changes by no more than 0.26·|p′|, its square, and with it that of the
-    /// speed, changes by no more than 0.6 of it. Then a disc of path lengths 0.63·|p′| as wide lies within that of the
-    /// parameter, on which the derivative by path length is at most 2. On half of it, by Cauchy, the second is at most four
-    /// by the radius.
-    pub(super) fn disc(&self, s: f64) -> [f64; 2] {
-        let t = self.parameter(s);
-        let (_, first, second) = self.form.at(t);
-        let planar = 0.63 * first.norm() * self.form.room(t, first.norm(), second.norm());
-        let level = self.planar / self.length();
-        let radius = 0.5 * planar / level;
-        let bend = 4.0 / planar * level * level;
-        if radius.is_finite() && bend.is_finite() { [radius, bend] } else { [0.0; 2] }
     }
 }

@@ -1,8 +1,7 @@
 //! Elliptic arcs (G8, G9).
 
 use super::PathPoint;
-use super::curve::{Curve, Planar};
-use super::disc::{CHANGE, first_root};
+use super::curve::{CHANGE, Curve, Planar, first_root};
 use nalgebra::{Point2, Point3, Vector2};
 use std::f64::consts::{E, TAU};
 

@@ -31,6 +31,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod blended_path;
 pub mod controller;
+pub mod extremes;
 pub mod planned_motion;
 pub mod time_optimal;

@@ -27,7 +27,7 @@ use std::time::Instant;
 use twin_path::Place;
 use twin_path::prepare::{CheckError, CheckVelocities};
 use twin_path::{ElementKind, PathElement, Shape};
-use twin_planner::time_optimal::blended_path::{BlendOptions, Order};
+use twin_planner::blended_path::{BlendOptions, Order};
 use twin_planner::time_optimal::{LimitOptions, Planned, Planner};
 
 /// Values to which the override changes.

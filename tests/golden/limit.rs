@@ -395,15 +395,22 @@ fn the_controllers_own_planning_is_compared() {
     assert!((axes - least_time()).abs() < 2e-3, "{axes} s, not {}", least_time());
     assert!((number(&report["ratio"]) - axes / own).abs() < 1e-9);
     assert_eq!(report["limits"], "softmotion");
-    // The set-points are those of `check`.
+    // Set-points of the motion that `check` looks at between them, too.
     let checked = desk.twin("check lines.cnc -m machine.toml --format json");
     let checked = checked.ended(1, "").object();
     assert_eq!(report["duration_s"], checked["duration_s"]);
     for axis in ["X", "Y", "Z"] {
         for quantity in ["velocity", "acceleration"] {
-            assert_eq!(report["peak"][axis][quantity], checked["peak"][axis][quantity], "{axis}");
+            let [sampled, peak] =
+                [&report, &checked].map(|report| number(&report["peak"][axis][quantity]["value"]));
+            assert!(
+                sampled <= peak * (1.0 + 1e-6) && sampled >= 0.99 * peak,
+                "{axis}: {sampled}, {peak}"
+            );
         }
     }
+    let peak = number(&checked["peak"]["Z"]["velocity"]["value"]);
+    assert!((peak - 120_000.0_f64.sqrt()).abs() < 1e-6, "{peak}");
     let rows = Rows::read(&desk, "own.csv");
     rows.are_one_per_cycle(own);
     // √(60 · 2000) mm/s.

@@ -588,7 +588,9 @@ fn axes_are_logged_and_their_maxima_reported() {
     let maxima = &report["axis_maxima"]["X"];
     has_keys(maxima, "unit dead_time_cycles tracking_error set_velocity set_acceleration");
     assert_eq!(maxima["dead_time_cycles"], 2);
-    assert!((number(&maxima["set_velocity"]["max"]) - peak).abs() < 1e-6);
+    // The largest of all cycles may miss the peak between two.
+    let set = number(&maxima["set_velocity"]["max"]);
+    assert!(set > 0.99 * peak && set <= peak + 1e-6, "{set}, {peak}");
     assert!((number(&maxima["set_acceleration"]["max"]) - 500.0).abs() < 1e-6);
     // Two cycles at full speed more than the twin is off by itself.
     let off = number(&report["axis_error"]["X"]["twin"]["max"]);

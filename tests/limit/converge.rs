@@ -2,7 +2,8 @@
 
 use crate::cases::Case;
 use crate::solvers::{equal_times, grid, smooth, stretches};
-use twin_planner::time_optimal::{Beginning, ProfileSegment, SmoothSolver};
+use twin_planner::planned_motion::ProfileSegment;
+use twin_planner::time_optimal::{Beginning, SmoothSolver};
 
 /// Cells to begin with, and rounds in which they are cut.
 const CELLS: usize = 400;

@@ -10,8 +10,8 @@ use twin_gcode::rs274::PathMode;
 use twin_kinematics::AxisVector;
 use twin_kinematics::gantry::Gantry3;
 use twin_path::prepare::CheckError;
+use twin_planner::blended_path::{BlendOptions, Order};
 use twin_planner::controller::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
-use twin_planner::time_optimal::blended_path::{BlendOptions, Order};
 use twin_planner::time_optimal::{AxisLimits, KinematicPath, LimitOptions};
 use twin_planner::time_optimal::{Planned as Part, Planner as Limiter};
 

@@ -7,10 +7,11 @@ use twin_kinematics::{AxisVector, KinematicsError};
 use twin_path::Place;
 use twin_path::prepare::{CheckError, CheckVelocities};
 use twin_path::{ElementKind, PathElement, Shape};
-use twin_planner::time_optimal::blended_path::{BlendOptions, BlendedElement};
+use twin_planner::blended_path::{BlendOptions, BlendedElement};
+use twin_planner::planned_motion::ProfileSegment;
 use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Beginning, Cap, CapSource, CellEnd, Effort, Grid,
-    LimitOptions, Planned, Planner, ProfileSegment, Rates, SmoothProfile, SmoothSolver, reachable,
+    LimitOptions, Planned, Planner, Rates, SmoothProfile, SmoothSolver, reachable,
 };
 
 /// The path as a grid, with jerk limits or without.

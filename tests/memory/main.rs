@@ -31,7 +31,7 @@ use twin_path::prepare::{
     CheckVelocities, CircularLimits, Notices, Preparation, Rounding, ToolRadiusOptions,
 };
 use twin_path::{ElementKind, Marks, PathElement, Shape};
-use twin_planner::time_optimal::blended_path::BlendOptions;
+use twin_planner::blended_path::BlendOptions;
 use twin_planner::time_optimal::{LimitOptions, Planned, Planner};
 
 const FEW: u32 = 1_000;

@@ -6,8 +6,9 @@ use std::io::{self, BufRead, Read};
 use twin_gcode::decode::Item;
 use twin_gcode::rs274::{Decoder, DecoderOptions};
 use twin_path::prepare::{CheckError, CheckVelocities};
-use twin_planner::time_optimal::blended_path::BlendOptions;
-use twin_planner::time_optimal::{Law, LimitOptions, Planned, Planner};
+use twin_planner::blended_path::BlendOptions;
+use twin_planner::planned_motion::SegmentLaw;
+use twin_planner::time_optimal::{LimitOptions, Planned, Planner};
 
 /// Largest number of bytes given at a time.
 struct Pieces<'t> {
@@ -55,7 +56,7 @@ fn program() -> String {
 }
 
 /// What comes next: the line, and how it is gone through.
-fn planned(text: &str, size: usize, jerk: bool) -> Vec<(u32, Option<(f64, Law)>)> {
+fn planned(text: &str, size: usize, jerk: bool) -> Vec<(u32, Option<(f64, SegmentLaw)>)> {
     let reader = Pieces { text: text.as_bytes(), size };
     let options = DecoderOptions {
         rapid_velocity: 0.15,

@@ -7,7 +7,7 @@ use std::time::Instant;
 use twin_kinematics::AxisVector;
 use twin_path::PathElement;
 use twin_path::prepare::{CheckError, CheckVelocities};
-use twin_planner::time_optimal::blended_path::{BlendOptions, BlendedElement, Order};
+use twin_planner::blended_path::{BlendOptions, BlendedElement, Order};
 use twin_planner::time_optimal::{
     AxisLimits, AxisPath, AxisPoint, Effort, Leg, LimitError, LimitOptions, Planned, Planner,
 };

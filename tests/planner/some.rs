@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use std::f64::consts::{PI, TAU};
 use twin_path::Place;
 use twin_path::{Arc, ElementKind, PathElement, Plane, Shape};
-use twin_planner::time_optimal::blended_path::BlendOptions;
+use twin_planner::blended_path::BlendOptions;
 use twin_planner::time_optimal::{AxisLimits, LimitOptions};
 
 /// The arm's first joint alone has a jerk limit.

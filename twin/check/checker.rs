@@ -4,14 +4,15 @@ use super::cam_jumps::CamJumps;
 use super::findings::{About, Findings};
 use super::instant::Instant;
 use super::messages;
+use super::pieces::PieceCheck;
 use super::{Clearances, Outcome};
 use crate::bridge::{Bridge, BridgeSetpoint};
 use crate::finding;
 use crate::finding::Finding;
-use crate::job::JobSetpoints;
 use crate::m_function::MCalls;
 use crate::messages::no_axes;
 use crate::peak::{AxisPeak, Peak};
+use crate::planning::Planning;
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::tolerance::{exceeds, is_hidden};
 use std::collections::BTreeSet;
@@ -44,6 +45,10 @@ pub(super) struct Checker<'m> {
     /// Axes that follow blocks, gears or cams, and no path.
     free: Vec<bool>,
     jumps: CamJumps<'m>,
+    /// The tool turns with the path: at once where that has a corner, and axes that hold the tip turn with it.
+    with_path: bool,
+    /// Where the plan is known piece by piece.
+    pieces: Option<PieceCheck<'m>>,
     /// Additional axes that the machine does not have, each reported once.
     reported_missing: [bool; EXTRA_AXES.len()],
 }
@@ -68,6 +73,8 @@ impl<'m> Checker<'m> {
             untaken: 0,
             free: free_axes(machine, is_job),
             jumps: CamJumps::new(machine),
+            with_path: matches!(machine.direction, DirectionRule::Path(..)),
+            pieces: None,
             reported_missing: [false; EXTRA_AXES.len()],
         }
     }
@@ -80,10 +87,35 @@ impl<'m> Checker<'m> {
         }
     }
 
-    /// Starts the check of this job, or of a program where there is none.
-    pub(super) fn begin(&mut self, job: Option<&JobSetpoints<'_>>) {
-        if let Some(job) = job {
+    /// Starts the check of a job or a program.
+    pub(super) fn begin(&mut self, items: &mut Planning<'_>) {
+        if let Some(job) = items.job() {
             self.jumps.leave_out(job);
+        }
+        if items.record(self.with_path) {
+            self.by_pieces();
+        }
+    }
+
+    /// From now on the axes that follow the path are checked by the pieces of its plan.
+    fn by_pieces(&mut self) {
+        let near = self.start.unwrap_or_else(|| self.machine.middle());
+        let sampled = (0..self.machine.axes.len()).map(|index| self.is_sampled(index)).collect();
+        self.pieces = Some(PieceCheck::new(self.machine, near, self.slack, sampled));
+    }
+
+    /// True for axes that follow something else than the path, or turn at once where it has a corner.
+    fn is_sampled(&self, index: usize) -> bool {
+        self.free.get(index).copied().unwrap_or_default()
+            || (self.with_path && self.machine.kinematics.is_rotary(index))
+    }
+
+    /// Checks the pieces of the plan that are over.
+    pub(super) fn pieces(&mut self, items: &mut Planning<'_>) {
+        while let Some(piece) = items.next_piece() {
+            if let Some(pieces) = &mut self.pieces {
+                pieces.take(&piece, &mut self.peaks, &mut self.findings, self.rapids);
+            }
         }
     }
 
@@ -109,7 +141,7 @@ impl<'m> Checker<'m> {
                 self.findings.add(None, finding);
             }
         }
-        self.taken(tool.place, setpoint)
+        self.taken(tool.place, setpoint, self.pieces.is_some())
     }
 
     /// The way of the axes to a set-point to which the path jumps, which is noted.
@@ -124,7 +156,7 @@ impl<'m> Checker<'m> {
     pub(super) fn bridging(&mut self, instant: &BridgeSetpoint) -> Option<AxisSetpoint> {
         self.duration_ns = instant.time_ns;
         let setpoint = self.transformer.bridging(instant);
-        self.taken(instant.place, setpoint)
+        self.taken(instant.place, setpoint, false)
     }
 
     /// Checks a set-point, unless the machine cannot take it.
@@ -132,9 +164,10 @@ impl<'m> Checker<'m> {
         &mut self,
         place: Place,
         setpoint: Result<AxisSetpoint, AxesError>,
+        by_pieces: bool,
     ) -> Option<AxisSetpoint> {
         match setpoint {
-            Ok(setpoint) => Some(*self.axes(&setpoint)),
+            Ok(setpoint) => Some(*self.setpoint(&setpoint, by_pieces)),
             Err(error) => {
                 self.findings.add(None, no_axes(place, &error));
                 self.last = None;
@@ -146,6 +179,14 @@ impl<'m> Checker<'m> {
 
     /// Checks a set-point of the axes, and returns it.
     pub(super) fn axes<'s>(&mut self, setpoint: &'s AxisSetpoint) -> &'s AxisSetpoint {
+        self.setpoint(setpoint, false)
+    }
+
+    /// The same; `by_pieces`: axes that follow the path are checked elsewhere.
+    fn setpoint<'s>(&mut self, setpoint: &'s AxisSetpoint, by_pieces: bool) -> &'s AxisSetpoint {
+        let elsewhere: Vec<_> = (0..self.machine.axes.len())
+            .map(|index| by_pieces && !self.with_path && !self.is_sampled(index))
+            .collect();
         self.duration_ns = setpoint.time_ns;
         let last = self.last.replace(*setpoint);
         self.start.get_or_insert(setpoint.axes.position);
@@ -155,7 +196,7 @@ impl<'m> Checker<'m> {
         let machine = self.machine;
         let [faster, harder, jerkier] = self.slack;
         let cycle = seconds(machine.cycle_ns);
-        let with_path = matches!(machine.direction, DirectionRule::Path(..));
+        let with_path = self.with_path;
         for (index, (axis, peak)) in machine.axes.iter().zip(&mut self.peaks).enumerate() {
             let now = Instant::of(setpoint, index);
             let turns = with_path && machine.kinematics.is_rotary(index);
@@ -175,6 +216,9 @@ impl<'m> Checker<'m> {
                 crate::messages::beyond_position(axis, setpoint.place, now.position)
             {
                 report(finding);
+            }
+            if elsewhere.get(index).copied().unwrap_or_default() {
+                continue;
             }
 
             let limit = axis.max_velocity;
@@ -254,7 +298,10 @@ impl<'m> Checker<'m> {
         }
     }
 
-    pub(super) fn finish(self) -> Outcome {
+    pub(super) fn finish(mut self) -> Outcome {
+        if let Some(pieces) = &mut self.pieces {
+            pieces.finish(&mut self.peaks, &mut self.findings, self.rapids);
+        }
         let (mut findings, findings_left_out) = self.findings.into_list();
         messages::leave_out_consequences(&mut findings);
         messages::leave_out_nearness(&mut findings);

@@ -65,6 +65,11 @@ impl Findings {
         }
     }
 
+    /// True if another finding of this severity would be kept.
+    pub(super) fn has_room(&self, severity: Severity) -> bool {
+        self.kept.get(&severity).is_none_or(|kept| kept.len() < MAX_FINDINGS)
+    }
+
     pub(super) fn any_error(&self) -> bool {
         self.kept.contains_key(&Severity::Error)
     }

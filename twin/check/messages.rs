@@ -85,6 +85,37 @@ pub(super) fn too_jerky(axis: &Axis, place: Place, jerk: f64, limit: f64) -> Fin
     }
 }
 
+/// A velocity (rad/s or m/s) that changes by `step` at once where the path turns by `angle`, rad, or rests; below `feed`,
+/// m/s, it does not change by more than `limit`.
+pub(super) fn steps(
+    axis: &Axis,
+    place: Place,
+    step: f64,
+    limit: f64,
+    angle: Option<f64>,
+    feed: Option<f64>,
+) -> Finding {
+    let mut finding = too_much(axis, Rule::AxisVelocityStep, &STEP, place, step, limit);
+    let why = match angle {
+        Some(angle) => {
+            let angle = twin_number::significant(angle.to_degrees(), 3);
+            format!("the path turns by {angle}° without a stop")
+        }
+        None => "the path starts or ends here".to_owned(),
+    };
+    finding.message = format!("{}: {why}", finding.message);
+    finding.largest_feed_mm_per_s = feed.map(|feed| feed * 1e3);
+    finding
+}
+
+/// A velocity (rad/s or m/s) that changes by `step` within a cycle at an edge of the reach.
+pub(super) fn steps_at_edge(axis: &Axis, place: Place, step: f64, limit: f64) -> Finding {
+    let mut finding = too_much(axis, Rule::AxisVelocityStep, &STEP, place, step, limit);
+    finding.message = format!("{}: the tool is at an edge of the reach", finding.message);
+    finding.hint = Some("keep the path away from there; a lower feed does not help".to_owned());
+    finding
+}
+
 /// A distance (rad or m) between set-point and simulated machine above `limit`.
 pub(super) fn too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Finding {
     let quantity = Quantity { name: "following error", units: ["deg", "mm"] };
@@ -274,11 +305,19 @@ pub(super) fn leave_out_consequences(findings: &mut Vec<Finding>) {
     findings.retain(|finding| {
         let follows = matches!(
             finding.rule,
-            Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisJerk | Rule::Singularity
+            Rule::AxisVelocity
+                | Rule::AxisAcceleration
+                | Rule::AxisJerk
+                | Rule::AxisVelocityStep
+                | Rule::Singularity
         );
         !(follows && unreachable.contains(&finding.line))
     });
 }
+
+/// A change of the velocity.
+const STEP: Quantity =
+    Quantity { name: "change of the velocity at once", units: ["deg/s", "mm/s"] };
 
 /// What is measured, in which unit for rotary and linear axes.
 struct Quantity {

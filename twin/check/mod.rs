@@ -19,6 +19,9 @@ mod input_tests;
 mod instant;
 mod messages;
 mod options;
+mod pieces;
+#[cfg(test)]
+mod pieces_tests;
 mod rehearsal;
 mod run_findings;
 #[cfg(test)]
@@ -159,10 +162,11 @@ fn checked(
     let mut way = Way::new(machine)?;
     let rules = Acknowledgement::for_check(machine, acknowledge);
     let mut items = Planning::new(machine, program, limits, rules)?;
-    checker.begin(items.job());
+    checker.begin(&mut items);
     let (mut countdown, mut switched, mut m_calls) = (0u32, Switched::default(), BTreeSet::new());
     let (mut m_functions, mut switch_points) = (MCalls::default(), SwitchPoints::default());
     while let Some(item) = items.next() {
+        checker.pieces(&mut items);
         let setpoint = match item {
             PlanItem::Tool(tool) => {
                 if let Some(bridge) = checker.bridge(&tool) {
@@ -215,6 +219,7 @@ fn checked(
             1000
         });
     }
+    checker.pieces(&mut items);
     if items.elements() == 0 && !checker.findings.any_error() {
         checker.findings.add(None, finding::nothing_moves());
     }
@@ -241,10 +246,9 @@ fn checked(
     outcome.findings_left_out += items.left_out();
     outcome.elements = items.elements();
     outcome.length = items.length();
-    if is_job {
-        // Nothing of it has a feed.
-        outcome.findings.iter_mut().for_each(|found| found.largest_feed_mm_per_s = None);
-    }
+    // Nothing of a job has a feed.
+    let without_feed = outcome.findings.iter_mut().filter(|_| is_job);
+    without_feed.for_each(|finding| finding.largest_feed_mm_per_s = None);
     Ok(outcome)
 }
 

@@ -6,7 +6,7 @@ use twin_kinematics::AxisVector;
 use twin_machine::{Machine, PathLimits, VelocitySource};
 use twin_number::seconds;
 use twin_physics::TorqueAlongPath;
-use twin_planner::time_optimal::blended_path::BlendedElement;
+use twin_planner::blended_path::BlendedElement;
 use twin_planner::time_optimal::{
     AxisPath, Cap, CapSource, Constraint, DragRow, FIRST_FURTHER_ROW, Followed, MOST_FURTHER_ROWS,
 };

@@ -3,14 +3,15 @@
 use super::slaves::Slaves;
 use std::cell::RefCell;
 use twin_kinematics::{
-    AxisMotion, AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, ToolMotion,
+    AxisDisc, AxisMotion, AxisSource, AxisVector, Kinematics, KinematicsError, Pose, ToolDisc,
+    ToolJerk, ToolMotion,
 };
 use twin_machine::{DirectionRule, Machine, SimulationError};
 use twin_path::ExtraPoint;
 use twin_physics::{AxisEffort, EffortRow, PathDynamics, TorqueAlongPath};
-use twin_planner::time_optimal::blended_path::{Bearing, BlendedElement, BlendedPoint};
+use twin_planner::blended_path::{Bearing, BlendedElement, BlendedPoint};
 use twin_planner::time_optimal::{
-    AxisLimits, AxisPath, AxisPoint, Cap, CapSource, DragRow, Rates, Row, axis_point,
+    AxisLimits, AxisPath, AxisPoint, Cap, CapSource, DragRow, Rates, Row, axis_point, within,
 };
 
 /// Limits of the axes that count; all unless some are switched off.
@@ -85,6 +86,17 @@ impl<'m> MachinePath<'m> {
             motors,
             slaves: Slaves::of(machine),
         })
+    }
+
+    /// The machine as a way from the path to the axes, whose motors do not count.
+    pub(crate) fn without_motors(machine: &'m Machine) -> Self {
+        Self {
+            machine,
+            limits: Vec::new(),
+            dynamics: None,
+            motors: Vec::new(),
+            slaves: Slaves::of(machine),
+        }
     }
 
     /// Positions of the axes without the slaves of gears and cams.
@@ -258,6 +270,41 @@ impl AxisPath for MachinePath<'_> {
         }
         self.slaves.lead(&mut point);
         Ok(point)
+    }
+
+    /// That of additional axes counts; what slaves on cams do is not known.
+    fn disc(&self, element: &BlendedElement, s: f64, _point: &AxisPoint) -> Option<AxisDisc> {
+        let (point, path) = (element.at(s), element.disc(s));
+        let [direction, turn_rate, second, _] = self.direction(element, s, &point);
+        let turn_bend = match self.machine.direction {
+            DirectionRule::Fixed(_) => 0.0,
+            DirectionRule::Additional(number, _) => {
+                path.extra_bend.get(usize::from(number)).copied().unwrap_or_default().to_radians()
+            }
+            // Along lines and arcs it is linear; along other curves this is an estimate.
+            DirectionRule::Path(..) => 2.0 * second.abs(),
+        };
+        let frame = &self.machine.frame;
+        let pose = frame.pose_to_machine(&Pose { position: point.position, direction });
+        let turned = frame.machine_from_work().rotation.to_rotation_matrix();
+        let disc = self.machine.kinematics.disc(&ToolDisc {
+            pose,
+            rate: frame.vector_to_machine(&point.first),
+            bend: turned.matrix().abs() * path.bend,
+            turn_rate,
+            turn_bend,
+            radius: within(path.radius, element),
+        });
+        let AxisDisc { radius, mut change } = disc?;
+        let sources = self.machine.kinematics.sources().iter().zip(&self.machine.axes);
+        for (slot, (source, axis)) in change.iter_mut().zip(sources) {
+            if let (AxisSource::Additional(number), Some(extra)) = (*source, &point.extra) {
+                let [_, first, _, _] = of(extra, number);
+                let bend = path.extra_bend.get(usize::from(number)).copied().unwrap_or_default();
+                *slot = axis.to_si((first.abs() + 0.5 * bend * radius) * radius);
+            }
+        }
+        Some(AxisDisc { radius, change })
     }
 
     fn further_rows(&self) -> usize {

@@ -17,8 +17,9 @@ use twin_kinematics::AxisVector;
 use twin_machine::{DirectionRule, Machine};
 use twin_path::Place;
 use twin_path::prepare::CheckedElement;
+use twin_planner::blended_path::{BlendOptions, BlendedElement, Order};
 use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
-use twin_planner::time_optimal::blended_path::{BlendOptions, BlendedElement, Order};
+use twin_planner::planned_motion::PlannedPiece;
 use twin_planner::time_optimal::{
     AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, Planner, Rates,
 };
@@ -178,6 +179,16 @@ impl<'m> Profile<'m> {
     pub(crate) fn for_check(self, rules: &Acknowledgement) -> Self {
         let follower = self.follower.with_m_times(rules.times());
         Self { follower, tells_feeds: true, gaps: None, ..self }
+    }
+
+    /// Records the pieces of the plan from now on.
+    pub(crate) fn record(&mut self) {
+        self.follower.record();
+    }
+
+    /// The next piece of the plan that has begun.
+    pub(crate) fn next_piece(&mut self) -> Option<PlannedPiece> {
+        self.follower.next_piece()
     }
 
     /// The set-point of the last sample.

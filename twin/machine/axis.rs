@@ -35,6 +35,8 @@ pub struct Axis {
     pub max_deceleration: f64,
     /// m/s³ or rad/s³; `None`: not limited.
     pub max_jerk: Option<f64>,
+    /// Largest change of the velocity at once, m/s or rad/s, if the file says it: [`Self::velocity_step`].
+    pub max_velocity_step: Option<f64>,
     /// Part of the velocity that a plan leaves to the override, 0 to 0.9.
     pub headroom: f64,
     /// Largest distance from the set-point, m or rad; `None`: not watched.
@@ -88,6 +90,12 @@ impl Axis {
     /// The limit of an acceleration that does this, m/s² or rad/s².
     pub fn acceleration_limit(&self, slows: bool) -> f64 {
         if slows { self.max_deceleration } else { self.max_acceleration }
+    }
+
+    /// The largest change of its velocity at once, m/s or rad/s: unless the file says it, what its acceleration makes in
+    /// one `cycle`, s.
+    pub fn velocity_step(&self, cycle: f64) -> f64 {
+        self.max_velocity_step.unwrap_or(self.smallest_acceleration() * cycle)
     }
 
     /// The largest force or torque of its motor, N or Nm, if that is limited.
@@ -207,6 +215,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
         section.required_number(&format!("max_acceleration_{unit}_per_s2"), 1e-3..=1e8);
     let max_deceleration = section.number(&format!("max_deceleration_{unit}_per_s2"), 1e-3..=1e8);
     let max_jerk = section.number(&format!("max_jerk_{unit}_per_s3"), 1e-3..=1e12);
+    let max_step = section.number(&format!("max_velocity_step_{unit}_per_s"), 1e-6..=1e6);
     let drive_limits = DriveLimits::read(section, unit);
     let headroom = read_headroom(section);
     let max_following_error = section.number(&format!("max_following_error_{unit}"), 1e-6..=1e4);
@@ -268,6 +277,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
             max_acceleration: max_acceleration? * scale,
             max_deceleration: max_deceleration.or(max_acceleration)? * scale,
             max_jerk: max_jerk.map(|jerk| jerk * scale),
+            max_velocity_step: max_step.map(|step| step * scale),
             headroom,
             max_following_error: max_following_error.map(|error| error * scale),
             simulated,

@@ -12,8 +12,9 @@ use std::num::NonZeroU32;
 use std::sync::Arc;
 use std::task::Poll;
 use twin_machine::Machine;
+use twin_planner::blended_path::BlendedElement;
 use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
-use twin_planner::time_optimal::blended_path::BlendedElement;
+use twin_planner::planned_motion::PlannedPiece;
 use twin_planner::time_optimal::{Follower, LimitError};
 
 /// A program within the limits of the axes.
@@ -59,6 +60,25 @@ impl<'m> WithinAxes<'m> {
             waiting: Waiting::new(rules),
             tool: None,
             later_ns: 0,
+        }
+    }
+
+    /// Records the pieces of the plan of a check; false in a run.
+    pub(super) fn record(&mut self) -> bool {
+        match &mut self.motion {
+            Motion::Checked(profile) => {
+                profile.record();
+                true
+            }
+            Motion::Run(_) => false,
+        }
+    }
+
+    /// The next piece of the plan of a check.
+    pub(super) fn next_piece(&mut self) -> Option<PlannedPiece> {
+        match &mut self.motion {
+            Motion::Checked(profile) => profile.next_piece(),
+            Motion::Run(_) => None,
         }
     }
 

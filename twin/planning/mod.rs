@@ -22,6 +22,7 @@ use std::thread::Scope;
 use twin_machine::Machine;
 use twin_machine::tappets::Signal;
 use twin_planner::controller::ToolSetpoint;
+use twin_planner::planned_motion::PlannedPiece;
 
 /// The set-points of a program, as the controller itself plans them or within the limits of the axes.
 #[derive(Debug)]
@@ -123,6 +124,17 @@ impl<'m> Planning<'m> {
         self.later_ns += since_ns;
         tool.time_ns += since_ns;
         Some(PlanItem::Tool(tool))
+    }
+
+    /// Records the pieces of the plan from now on, with directions of the path if the tool turns with it (`turning`). False
+    /// if it is not planned in pieces.
+    pub(crate) fn record(&mut self, turning: bool) -> bool {
+        self.source.record(turning)
+    }
+
+    /// The next piece of the plan that is over.
+    pub(crate) fn next_piece(&mut self) -> Option<PlannedPiece> {
+        self.source.next_piece()
     }
 
     /// Signals of the tappets: the bits of the set-points in their order. Those of a path are of `transformer`.

@@ -8,6 +8,7 @@ use crate::program::{Findings, Setpoints};
 use crate::setpoint_source::{MOST_OVERRIDE, PlanItem};
 use std::fmt::Debug;
 use std::task::Poll;
+use twin_planner::planned_motion::PlannedPiece;
 
 /// Set-points of one program, however they are planned. What a source does not know keeps its default.
 pub(super) trait SetpointSource<'m>: Debug {
@@ -39,6 +40,17 @@ pub(super) trait SetpointSource<'m>: Debug {
 
     /// Single step and waiting at the next stop.
     fn set_steps(&mut self, _: Steps) {}
+
+    /// Records the pieces of the plan from now on, with directions of the path if the tool turns with it (`turning`). False
+    /// if it is not planned in pieces.
+    fn record(&mut self, _turning: bool) -> bool {
+        false
+    }
+
+    /// The next piece of the plan that is over.
+    fn next_piece(&mut self) -> Option<PlannedPiece> {
+        None
+    }
 
     /// Diagnostics that were left out because there are too many.
     fn left_out(&self) -> u64 {
@@ -91,6 +103,14 @@ impl SetpointSource<'_> for Setpoints {
         Setpoints::length(self)
     }
 
+    fn record(&mut self, turning: bool) -> bool {
+        Setpoints::record(self, turning)
+    }
+
+    fn next_piece(&mut self) -> Option<PlannedPiece> {
+        Setpoints::next_piece(self)
+    }
+
     fn request_stop(&mut self) {
         Setpoints::request_stop(self);
     }
@@ -140,6 +160,14 @@ impl<'m> SetpointSource<'m> for WithinAxes<'m> {
 
     fn length(&self) -> f64 {
         self.file().map_or(0.0, Findings::length)
+    }
+
+    fn record(&mut self, _turning: bool) -> bool {
+        WithinAxes::record(self)
+    }
+
+    fn next_piece(&mut self) -> Option<PlannedPiece> {
+        WithinAxes::next_piece(self)
     }
 
     fn request_stop(&mut self) {

@@ -16,6 +16,7 @@ use std::task::Poll;
 use twin_path::PathElement;
 use twin_path::prepare::{CheckVelocities, Notices, PreparedPath};
 use twin_planner::controller::{Inputs, Interpolator, LookAhead, Override, ToolSetpoint};
+use twin_planner::planned_motion::PlannedPiece;
 
 /// Path elements of a program.
 #[derive(Debug)]
@@ -210,6 +211,26 @@ impl Setpoints {
             now_ns: 0,
             next_ns: 0,
             cycle_ns: cycle.get().into(),
+        }
+    }
+
+    /// Records the pieces of the plan from now on, with directions of the path if the tool turns with it. False if the path
+    /// is not planned in pieces.
+    pub(crate) fn record(&mut self, turning: bool) -> bool {
+        match &mut self.motion {
+            Motion::Path(path) => {
+                path.record(turning);
+                true
+            }
+            Motion::Workpiece(_) => false,
+        }
+    }
+
+    /// The next piece of the plan that is over.
+    pub(crate) fn next_piece(&mut self) -> Option<PlannedPiece> {
+        match &mut self.motion {
+            Motion::Path(path) => path.next_piece(),
+            Motion::Workpiece(_) => None,
         }
     }
 

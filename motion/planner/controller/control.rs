@@ -1,6 +1,5 @@
 //! Cycle control of the interpolator: elements, stops, waits and changed inputs (manual 6.2.9).
 
-use super::instant::Instant;
 use super::interpolator::{Interpolator, Stop};
 use super::look_ahead::{Ahead, LookAhead};
 use super::profile::{Limits, Profile};
@@ -8,6 +7,7 @@ use super::ramp::Smoothness;
 use super::run::Motion;
 use super::spans::{Leg, Now, decide};
 use super::{Source, ToolSetpoint, VelocityMode};
+use crate::planned_motion::Instant;
 use twin_path::prepare::CheckedElement;
 
 /// A velocity above the feed by less than this part of it is the feed.

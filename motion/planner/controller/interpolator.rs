@@ -1,15 +1,15 @@
 //! Interpolator: samples the planned path once per cycle (`SMC_Interpolator`).
 
 use super::heading::{Bearing, Heading};
-use super::instant::Instant;
 use super::look_ahead::{LookAhead, Taken};
-use super::profile::PathState;
 use super::ramp::Smoothness;
 use super::run::{Motion, Run};
 use super::spans::Span;
 use super::sum::Sum;
 use super::switches::SwitchBoard;
 use super::{Inputs, Override, Source, Status, ToolSetpoint, VelocityMode};
+use crate::planned_motion::Instant;
+use crate::planned_motion::PathState;
 use crate::planned_motion::PlannedPiece;
 use nalgebra::Point3;
 use std::collections::VecDeque;

@@ -1,6 +1,6 @@
 //! Trapezoidal velocity profile of one element (`TRAPEZOID` of `SMC_INT_VELMODE`, manual 6.2.9).
 
-use crate::planned_motion::Law;
+use crate::planned_motion::{Law, PathState, Piece};
 use twin_path::PathElement;
 
 /// Velocity over time along one element: constant acceleration from the start velocity to the peak, constant
@@ -24,24 +24,6 @@ pub struct Profile {
     rise: f64,
     cruise: f64,
     fall: f64,
-}
-
-/// Motion along the path at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathState {
-    /// Path length from the start, m.
-    pub position: f64,
-    /// Velocity along the path, m/s.
-    pub velocity: f64,
-    /// Acceleration along the path, m/s².
-    pub acceleration: f64,
-}
-
-impl PathState {
-    /// At rest at `position`.
-    pub(super) fn resting(position: f64) -> Self {
-        Self { position, velocity: 0.0, acceleration: 0.0 }
-    }
 }
 
 /// Limits of a profile.
@@ -214,6 +196,25 @@ impl Profile {
             acceleration,
         }
     }
+}
+
+/// The fastest pieces along `length`, m, with constant accelerations `up` and `down` (m/s²), from and to these velocities
+/// and with `feed` at most (m/s): as the controller plans an element on its own.
+pub fn trapezoid(length: f64, ends: [f64; 2], feed: f64, [up, down]: [f64; 2]) -> Vec<Piece> {
+    let limits = Limits { feed, acceleration: up, deceleration: down };
+    let reach = |from: f64, rate: f64| (from * from + 2.0 * rate * length).sqrt();
+    let [from, to] = ends.map(|velocity| velocity.min(feed));
+    let [from, to] = [from.min(reach(to, down)), to.min(reach(from, up))];
+    let profile = Profile::new(length, from, to, limits);
+    let parts = profile.parts();
+    let begins = parts.iter().skip(1).map(|(begin, ..)| *begin);
+    let ends = begins.chain([profile.duration()]);
+    let pieces = parts.iter().zip(ends).map(|((begin, from, law), end)| Piece {
+        from: *from,
+        duration: end - begin,
+        law: *law,
+    });
+    pieces.filter(|piece| piece.duration > 0.0).collect()
 }
 
 /// Time for `length` at half of `sum_of_velocities`, s; 0 for nothing to travel.

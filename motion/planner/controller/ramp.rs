@@ -2,9 +2,9 @@
 //! jerk).
 
 use super::VelocityMode;
-use super::profile::PathState;
 use super::setpoint::Status;
 use crate::planned_motion::Law;
+use crate::planned_motion::PathState;
 use std::f64::consts::PI;
 
 /// Shape of a ramp between two velocities.

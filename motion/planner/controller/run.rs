@@ -1,12 +1,13 @@
 //! Element under way: its motion, state and status.
 
 use super::Heading;
-use super::instant::Instant;
-use super::profile::{PathState, Profile};
+use super::profile::Profile;
 use super::setpoint::{ExtraMotion, Status};
 use super::spans::Leg;
+use crate::blended_path::BlendedElement;
+use crate::planned_motion::Instant;
+use crate::planned_motion::PathState;
 use crate::planned_motion::{Piece, PlannedPiece};
-use crate::time_optimal::blended_path::BlendedElement;
 use std::sync::Arc;
 use twin_path::prepare::CheckedElement;
 use twin_path::{ElementKind, MParameters, PathPoint};
@@ -83,7 +84,7 @@ impl Run {
         let ends = parts.iter().skip(1).map(|(begin, ..)| *begin).chain([duration]);
         for ((begin, position, law), end) in parts.iter().zip(ends) {
             let (first, last) = (begin.max(from), end.min(until));
-            if !(last > first) {
+            if last <= first {
                 continue;
             }
             let whole = Piece { from: offset + position, duration: end - begin, law: *law };

@@ -1,11 +1,11 @@
 //! Transitions: from one element into the next, to rest, and on from rest.
 
 use super::Source;
-use super::instant::Instant;
 use super::interpolator::{Interpolator, State, Stop};
 use super::look_ahead::{Ahead, LookAhead, Taken};
 use super::run::{Motion, Run};
 use super::spans::Leg;
+use crate::planned_motion::Instant;
 use twin_path::ElementKind;
 use twin_path::prepare::CheckedElement;
 

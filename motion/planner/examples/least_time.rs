@@ -10,7 +10,7 @@ use twin_kinematics::AxisVector;
 use twin_kinematics::gantry::Gantry3;
 use twin_path::prepare::{CheckError, CheckVelocities};
 use twin_path::{ElementKind, PathElement, Place, Shape};
-use twin_planner::time_optimal::blended_path::BlendOptions;
+use twin_planner::blended_path::BlendOptions;
 use twin_planner::time_optimal::{AxisLimits, KinematicPath, LimitOptions, Planned, Planner};
 
 /// Way of the X axis, m. Y moves two thirds of it, so that X alone limits the motion.

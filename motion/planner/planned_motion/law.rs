@@ -1,10 +1,26 @@
 //! Laws of motion along one piece of a plan.
 
-use crate::controller::PathState;
-use crate::controller::instant::Instant;
-use crate::time_optimal::ProfileSegment;
-use crate::time_optimal::blended_path::BlendedElement;
+use super::{Instant, ProfileSegment};
+use crate::blended_path::BlendedElement;
 use std::sync::Arc;
+
+/// Motion along the path at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathState {
+    /// Path length from the start, m.
+    pub position: f64,
+    /// Velocity along the path, m/s.
+    pub velocity: f64,
+    /// Acceleration along the path, m/s².
+    pub acceleration: f64,
+}
+
+impl PathState {
+    /// At rest at `position`.
+    pub(crate) fn resting(position: f64) -> Self {
+        Self { position, velocity: 0.0, acceleration: 0.0 }
+    }
+}
 
 /// cosh 1: no hyperbolic cosine of a complex number of size 1 is larger.
 const COSH_1: f64 = 1.543_080_634_815_243_8;
@@ -150,8 +166,8 @@ impl Law {
     }
 
     /// The largest |θ|, or nearly, within which s changes by no more than `way` about `state`, and by how much it changes.
-    pub(super) fn time_for(&self, state: &PathState, jerk: f64, way: f64) -> [f64; 2] {
-        if !(way > 0.0) {
+    pub(crate) fn time_for(&self, state: &PathState, jerk: f64, way: f64) -> [f64; 2] {
+        if way <= 0.0 || way.is_nan() {
             return [0.0; 2];
         }
         let (velocity, most) = (state.velocity.abs(), self.radius());

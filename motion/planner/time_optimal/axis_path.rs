@@ -2,7 +2,7 @@
 
 use super::bound::{AxisLimits, Cap, Rates};
 use super::drag::DragRow;
-use crate::time_optimal::blended_path::{BlendedElement, BlendedPoint};
+use crate::blended_path::{BlendedElement, BlendedPoint};
 use twin_kinematics::{
     AxisDisc, AxisVector, Kinematics, KinematicsError, MAX_AXES, Pose, ToolDisc, ToolJerk,
     ToolMotion,
@@ -61,7 +61,7 @@ pub trait AxisPath {
 }
 
 /// Kinematics without work frame and additional axes. The direction of the tool is that of the path where the course knows it
-/// ([`BlendOptions::turning`](super::blended_path::BlendOptions::turning)), else 0.
+/// ([`BlendOptions::turning`](crate::blended_path::BlendOptions::turning)), else 0.
 #[derive(Debug)]
 pub struct KinematicPath<K> {
     kinematics: K,

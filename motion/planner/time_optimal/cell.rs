@@ -3,8 +3,8 @@
 use super::axis_path::MOST_FURTHER_ROWS;
 use super::bound::{AxisLimits, Cap, Disc, FIRST_FURTHER_ROW, Rates, Row};
 use super::drag::DragRow;
-use crate::time_optimal::blended_path::BlendedElement;
-use crate::time_optimal::profile_segment::ProfileSegment;
+use crate::blended_path::BlendedElement;
+use crate::planned_motion::ProfileSegment;
 use std::sync::Arc;
 use twin_kinematics::AxisVector;
 

@@ -1,6 +1,6 @@
 //! Programmed feed along the path under the override, and its relaxation while the path brakes.
 
-use crate::time_optimal::blended_path::BlendedElement;
+use crate::blended_path::BlendedElement;
 use std::ops::Range;
 use std::sync::Arc;
 

@@ -2,12 +2,13 @@
 
 use super::axis_path::AxisPath;
 use super::planner::{Leg, LimitError, Planned, Planner};
-use crate::controller::instant::Instant;
+use crate::blended_path::{Bearing, BlendedElement};
 use crate::controller::switches::SwitchBoard;
 use crate::controller::{ExtraMotion, Heading, Status, ToolSetpoint};
-use crate::time_optimal::blended_path::{Bearing, BlendedElement};
-use crate::time_optimal::profile_segment::Progress;
-use std::collections::BTreeMap;
+use crate::planned_motion::Instant;
+use crate::planned_motion::Progress;
+use crate::planned_motion::{Law, Piece, PlannedPiece};
+use std::collections::{BTreeMap, VecDeque};
 use std::f64::consts::{PI, TAU};
 use std::num::NonZeroU32;
 use std::sync::Arc;
@@ -86,6 +87,8 @@ pub struct Follower<P> {
     /// The path ends where it rests next.
     stopping: bool,
     over: bool,
+    /// Pieces of the plan, if they are recorded.
+    record: Option<VecDeque<PlannedPiece>>,
 }
 
 #[derive(Debug)]
@@ -115,7 +118,18 @@ where
             m_times: MTimes::default(),
             stopping: false,
             over: false,
+            record: None,
         }
+    }
+
+    /// Records the pieces of the plan from now on.
+    pub fn record(&mut self) {
+        self.record = Some(VecDeque::new());
+    }
+
+    /// The next piece of the plan that has begun and was recorded.
+    pub fn next_piece(&mut self) -> Option<PlannedPiece> {
+        self.record.as_mut()?.pop_front()
     }
 
     /// With M functions that take longer than a cycle.
@@ -167,6 +181,12 @@ where
             Planned::Leg(leg) => {
                 self.enter(&leg.element, leg.from + leg.stretch.length());
                 let start = self.reached;
+                if let Some(record) = &mut self.record {
+                    let (element, duration) = (Arc::clone(&leg.element), leg.stretch.duration());
+                    let law = Law::Segment(leg.stretch);
+                    let piece = Piece { from: leg.from, duration, law };
+                    record.push_back(PlannedPiece { element, start, piece });
+                }
                 Current::Along { end: start.after(leg.stretch.duration()), start, leg }
             }
             Planned::Pause(element) => {

@@ -4,14 +4,13 @@
 //! CheckedElement ─ course (C²) ─ samples of the axes ─ grid, uniform in time ─ windows ─▶ stretches in time
 //! ```
 //!
-//! [`blended_path`] blends the joints of the path within a tolerance. [`Grid`] holds the limits along it. [`reachable`]
+//! [`crate::blended_path`] blends the joints of the path within a tolerance. [`Grid`] holds the limits along it. [`reachable`]
 //! computes the fastest profile within velocities and accelerations in two passes (reachability analysis). Where jerk is
 //! limited as well, [`SmoothSolver`] computes it with Clarabel.
 
 mod adjoint;
 mod asked;
 mod axis_path;
-pub mod blended_path;
 mod bound;
 mod cell;
 mod convex;
@@ -25,7 +24,6 @@ mod options;
 mod plan_executor;
 mod plane;
 mod planner;
-mod profile_segment;
 pub mod reachable;
 mod rows;
 mod sample;
@@ -43,6 +41,5 @@ pub use grid::{CellEnd, Grid};
 pub use options::LimitOptions;
 pub use plan_executor::{Arrival, Lead, PlanExecutor};
 pub use planner::{Behind, Effort, Leg, LimitError, Piece, Pieces, Planned, Planner, Request};
-pub use profile_segment::{Law, ProfileSegment, Progress};
 pub use sensitivity::Sensitivity;
 pub use smooth::{Beginning, SmoothProfile, SmoothSolver};

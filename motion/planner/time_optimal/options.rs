@@ -1,6 +1,6 @@
 //! Options of time-optimal planning: limits and resolution.
 
-use crate::time_optimal::blended_path::BlendOptions;
+use crate::blended_path::BlendOptions;
 use twin_path::prepare::CircularLimits;
 
 /// Settings of the feed limiter.

@@ -7,7 +7,7 @@
 //! ```
 
 use super::planner::{Behind, Leg, LimitError, Piece, Planned, Request};
-use crate::time_optimal::blended_path::BlendedElement;
+use crate::blended_path::BlendedElement;
 use std::collections::VecDeque;
 use std::sync::Arc;
 

@@ -8,7 +8,7 @@ use super::feeds::Feeds;
 use super::grid::{CellEnd, Grid};
 use super::options::LimitOptions;
 use super::rows::LEAST_TIME;
-use crate::time_optimal::blended_path::{BlendedElement, Transition};
+use crate::blended_path::{BlendedElement, Transition};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;

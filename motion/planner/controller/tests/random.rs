@@ -2,10 +2,10 @@
 
 use super::control::{Drip, drive};
 use super::program::{Elements, Error, Pen, checked, curved_programs, programs};
-use crate::controller::PathState;
 use crate::controller::{
     DEFAULT_CYCLE_NS, Inputs, Interpolator, LookAhead, Override, Status, ToolSetpoint, VelocityMode,
 };
+use crate::planned_motion::PathState;
 use crate::planned_motion::PlannedPiece;
 use proptest::prelude::*;
 use std::collections::VecDeque;

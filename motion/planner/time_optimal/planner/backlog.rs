@@ -1,8 +1,8 @@
 //! Backlog: parts of the path that are known and not planned, or taken back for replanning.
 
 use super::{After, Leg, LimitError, Planned, Planner};
+use crate::blended_path::BlendedElement;
 use crate::time_optimal::axis_path::AxisPath;
-use crate::time_optimal::blended_path::BlendedElement;
 use crate::time_optimal::cell::Cell;
 use crate::time_optimal::sample::SAME_PLACE;
 use crate::time_optimal::smooth::Beginning;

@@ -2,10 +2,10 @@
 
 use super::refine::time;
 use super::{Leg, LimitError, Planned, Planner};
+use crate::planned_motion::ProfileSegment;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::convex::NotSolved;
 use crate::time_optimal::grid::Grid;
-use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::reachable;
 use crate::time_optimal::smooth::Beginning;
 use std::sync::Arc;

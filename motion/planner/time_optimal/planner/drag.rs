@@ -1,10 +1,10 @@
 //! Drag on the axes: linearised (tangents) at the velocity of the motion.
 
 use super::Planner;
+use crate::planned_motion::ProfileSegment;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::cell::{Cell, Sample};
 use crate::time_optimal::drag::DragRow;
-use crate::time_optimal::profile_segment::ProfileSegment;
 use std::sync::Arc;
 use twin_path::prepare::CheckedElement;
 

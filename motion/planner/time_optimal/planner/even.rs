@@ -2,10 +2,10 @@
 
 use super::Planner;
 use super::refine::SHORTEST;
+use crate::planned_motion::ProfileSegment;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::bound::AxisLimits;
 use crate::time_optimal::cell::{Cell, Sample};
-use crate::time_optimal::profile_segment::ProfileSegment;
 use twin_path::prepare::CheckedElement;
 
 /// An acceleration may change by this part of its limit from one end of a cell to the other.

@@ -3,8 +3,8 @@
 use super::Planner;
 use super::verify::exceeds;
 use super::window::{can_be_followed, stretches};
+use crate::planned_motion::ProfileSegment;
 use crate::time_optimal::axis_path::AxisPath;
-use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::sample::grid;
 use crate::time_optimal::smooth::Beginning;
 use twin_path::prepare::CheckedElement;

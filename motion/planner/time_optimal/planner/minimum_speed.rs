@@ -2,13 +2,13 @@
 
 use super::refine::time;
 use super::{Leg, NOT_SOLVED, Planner};
+use crate::blended_path::BlendedElement;
+use crate::planned_motion::{ProfileSegment, SegmentLaw};
 use crate::time_optimal::axis_path::AxisPath;
-use crate::time_optimal::blended_path::BlendedElement;
 use crate::time_optimal::cell::Cell;
 use crate::time_optimal::convex::NotSolved;
 use crate::time_optimal::feeds::Feeds;
 use crate::time_optimal::grid::Grid;
-use crate::time_optimal::profile_segment::{Law, ProfileSegment};
 use crate::time_optimal::reachable;
 use crate::time_optimal::sample::grid;
 use crate::time_optimal::smooth::{Aim, Beginning, Guess};
@@ -275,9 +275,9 @@ where
         let mut b: Vec<f64> = legs().map(|stretch| stretch.at_position(0.0).0).collect();
         b.extend(legs().next_back().map(|stretch| stretch.at_position(stretch.length()).0));
         let middle = |stretch: &ProfileSegment| match stretch.law() {
-            Law::Quadratic { b, a, .. } => b + a * stretch.length(),
+            SegmentLaw::Quadratic { b, a, .. } => b + a * stretch.length(),
             // What jerk is constant in is at an end, where c is none of the variables.
-            Law::Launch { .. } | Law::Landing { .. } => {
+            SegmentLaw::Launch { .. } | SegmentLaw::Landing { .. } => {
                 0.5 * (stretch.at_position(0.0).0 + stretch.at_position(stretch.length()).0)
             }
         };

@@ -1,8 +1,8 @@
 //! Plan pieces: hands the plan in parts to a separate executor, each with a way to rest.
 
 use super::{Leg, LimitError, Planned, Planner};
+use crate::blended_path::BlendedElement;
 use crate::time_optimal::axis_path::AxisPath;
-use crate::time_optimal::blended_path::BlendedElement;
 use crate::time_optimal::feeds::Feeds;
 use crate::time_optimal::planner::backlog::rests;
 use crate::time_optimal::smooth::Beginning;

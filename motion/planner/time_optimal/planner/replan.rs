@@ -2,10 +2,10 @@
 
 use super::budget::Budget;
 use super::{Leg, NoWindow, Planned, Planner};
+use crate::planned_motion::ProfileSegment;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::feeds::Feeds;
 use crate::time_optimal::planner::minimum_speed::{Look, Room, Slowest};
-use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::smooth::Beginning;
 use std::sync::Arc;
 use twin_path::prepare::CheckedElement;

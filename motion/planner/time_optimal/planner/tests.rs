@@ -1,6 +1,6 @@
 //! Tests of plans against closed forms: fallback scaling, and a deceleration that is a limit of its own.
 
-use crate::time_optimal::blended_path::BlendOptions;
+use crate::blended_path::BlendOptions;
 use crate::time_optimal::smooth::Aim;
 use crate::time_optimal::{
     AxisLimits, AxisPath, KinematicPath, Leg, LimitOptions, Planned, Planner,

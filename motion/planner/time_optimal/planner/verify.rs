@@ -3,9 +3,9 @@
 use super::Planner;
 use super::commit::KEPT_ROOM;
 use super::refine::SHORTEST;
+use crate::planned_motion::ProfileSegment;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::cell::Cell;
-use crate::time_optimal::profile_segment::ProfileSegment;
 use crate::time_optimal::rows::LEAST_TIME;
 use crate::time_optimal::smooth::{Broken, Guess};
 use twin_path::prepare::CheckedElement;

@@ -17,7 +17,7 @@ pub struct Progress {
 
 /// Law of motion in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
+pub enum SegmentLaw {
     /// u̇² = `b` + 2·`a`·u + `gamma`·u²: the acceleration is linear in u.
     Quadratic {
         /// u̇² at the start.
@@ -43,40 +43,45 @@ pub enum Law {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfileSegment {
     length: f64,
-    law: Law,
+    law: SegmentLaw,
     duration: f64,
 }
 
 impl ProfileSegment {
     /// A cell of `length` gone through by `law`, whose u̇² must be positive at least at one end and nowhere negative.
-    pub fn new(length: f64, law: Law) -> Self {
+    pub fn new(length: f64, law: SegmentLaw) -> Self {
         let duration = match law {
-            Law::Quadratic { b, a, gamma } => quadratic_duration(length, b, a, gamma),
-            Law::Launch { jerk } | Law::Landing { jerk } => (6.0 * length / jerk).cbrt(),
+            SegmentLaw::Quadratic { b, a, gamma } => quadratic_duration(length, b, a, gamma),
+            SegmentLaw::Launch { jerk } | SegmentLaw::Landing { jerk } => {
+                (6.0 * length / jerk).cbrt()
+            }
         };
         Self { length, law, duration }
     }
 
     /// With the u̇² at both ends and the same acceleration all the way.
     pub fn uniform(length: f64, from: f64, to: f64) -> Self {
-        Self::new(length, Law::Quadratic { b: from, a: 0.5 * (to - from) / length, gamma: 0.0 })
+        Self::new(
+            length,
+            SegmentLaw::Quadratic { b: from, a: 0.5 * (to - from) / length, gamma: 0.0 },
+        )
     }
 
     /// With u̇² and ü at both ends of a cell that b = `middle` bends in Bézier's way.
     pub fn bent(length: f64, from: f64, middle: f64, to: f64) -> Self {
         let a = (middle - from) / length;
         let gamma = (from - 2.0 * middle + to) / (length * length);
-        Self::new(length, Law::Quadratic { b: from, a, gamma })
+        Self::new(length, SegmentLaw::Quadratic { b: from, a, gamma })
     }
 
     /// From rest to u̇² = `b`, with constant jerk.
     pub fn launch(length: f64, b: f64) -> Self {
-        Self::new(length, Law::Launch { jerk: rest_jerk(length, b) })
+        Self::new(length, SegmentLaw::Launch { jerk: rest_jerk(length, b) })
     }
 
     /// From u̇² = `b` to rest, with constant jerk.
     pub fn landing(length: f64, b: f64) -> Self {
-        Self::new(length, Law::Landing { jerk: rest_jerk(length, b) })
+        Self::new(length, SegmentLaw::Landing { jerk: rest_jerk(length, b) })
     }
 
     /// Length of the cell, m.
@@ -92,13 +97,13 @@ impl ProfileSegment {
     /// √|γ| where γ is not 0: how fast the exponential functions are that it is made of, 1/s.
     pub(crate) fn rate(&self) -> Option<f64> {
         match self.law {
-            Law::Quadratic { gamma, .. } if gamma != 0.0 => Some(gamma.abs().sqrt()),
+            SegmentLaw::Quadratic { gamma, .. } if gamma != 0.0 => Some(gamma.abs().sqrt()),
             _ => None,
         }
     }
 
     /// Its law of motion.
-    pub fn law(&self) -> Law {
+    pub fn law(&self) -> SegmentLaw {
         self.law
     }
 
@@ -109,11 +114,11 @@ impl ProfileSegment {
             ((0.5 * jerk * t * t).powi(2), jerk * t)
         };
         match self.law {
-            Law::Quadratic { b, a, gamma } => {
+            SegmentLaw::Quadratic { b, a, gamma } => {
                 ((b + u * (2.0 * a + gamma * u)).max(0.0), a + gamma * u)
             }
-            Law::Launch { jerk } => rest(jerk, u),
-            Law::Landing { jerk } => {
+            SegmentLaw::Launch { jerk } => rest(jerk, u),
+            SegmentLaw::Landing { jerk } => {
                 let (b, a) = rest(jerk, self.length - u);
                 (b, -a)
             }
@@ -123,8 +128,8 @@ impl ProfileSegment {
     /// u⃛ where the parameter is `u` from the start.
     pub fn jerk_at(&self, u: f64) -> f64 {
         match self.law {
-            Law::Quadratic { gamma, .. } => gamma * self.at_position(u).0.sqrt(),
-            Law::Launch { jerk } | Law::Landing { jerk } => jerk,
+            SegmentLaw::Quadratic { gamma, .. } => gamma * self.at_position(u).0.sqrt(),
+            SegmentLaw::Launch { jerk } | SegmentLaw::Landing { jerk } => jerk,
         }
     }
 
@@ -132,7 +137,7 @@ impl ProfileSegment {
     pub fn at(&self, time: f64) -> Progress {
         let time = time.clamp(0.0, self.duration);
         match self.law {
-            Law::Quadratic { b, a, gamma } => {
+            SegmentLaw::Quadratic { b, a, gamma } => {
                 let start = b.max(0.0).sqrt();
                 let (s, c) = hyperbolic(gamma, time);
                 let position = (start * s + a * c).clamp(0.0, self.length);
@@ -141,8 +146,8 @@ impl ProfileSegment {
                 let acceleration = a + gamma * position;
                 Progress { position, velocity, acceleration, jerk: gamma * velocity }
             }
-            Law::Launch { jerk } => constant_jerk(jerk, time),
-            Law::Landing { jerk } => {
+            SegmentLaw::Launch { jerk } => constant_jerk(jerk, time),
+            SegmentLaw::Landing { jerk } => {
                 let left = constant_jerk(jerk, self.duration - time);
                 Progress {
                     position: self.length - left.position,

@@ -12,10 +12,19 @@
 //! At an edge of the reach no disc is left, and accelerations grow without bound. There the change of the velocity across a
 //! cycle is a step, and nothing else of that cycle counts.
 
-use super::Piece;
-use super::bernstein::Bernstein;
-use crate::time_optimal::blended_path::BlendedElement;
+#![allow(
+    clippy::indexing_slicing,
+    reason = "numeric code: an index beyond an array is a fault that must stop, not a 0.0 for an axis"
+)]
+
+mod bernstein;
+#[cfg(test)]
+mod tests;
+
+use crate::blended_path::BlendedElement;
+use crate::planned_motion::Piece;
 use crate::time_optimal::{AxisPath, AxisPoint, Rates};
+use bernstein::Bernstein;
 use twin_kinematics::{AxisVector, KinematicsError, MAX_AXES};
 
 /// To these parts of themselves extremes of velocity, acceleration and jerk are certain.
@@ -38,7 +47,7 @@ pub struct Largest {
 
 impl Largest {
     fn include(&mut self, value: f64, at: f64) {
-        if !(value <= self.value) {
+        if value > self.value || value.is_nan() {
             *self = Self { value, at };
         }
     }
@@ -211,15 +220,12 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
             let width = to.time - from.time;
             let middle = self.node(along, from.time.midpoint(to.time), &from.position)?;
             found.take(&middle, along.floors);
-            let settled = match &middle.disc {
-                Some((radius, change)) => {
-                    let between = Between { from: &from, to: &to, radius: *radius, change };
-                    found.settle(&between, along.floors)
-                }
-                None => {
-                    found.is_proven = false;
-                    width * f64::from(SAMPLED) <= along.piece.duration
-                }
+            let settled = if let Some((radius, change)) = &middle.disc {
+                let between = Between { from: &from, to: &to, radius: *radius, change };
+                found.settle(&between, along.floors)
+            } else {
+                found.is_proven = false;
+                width * f64::from(SAMPLED) <= along.piece.duration
             };
             if settled {
                 continue;
@@ -309,7 +315,7 @@ impl Extremes {
         let width = to.time - from.time;
         // About every instant between the two.
         let radius = radius.min(WIDE * width) - 0.5 * width;
-        if !(radius > 0.0) {
+        if radius <= 0.0 || radius.is_nan() {
             return false;
         }
         let count = from.position.len();
@@ -412,7 +418,7 @@ fn rounding(floor: &Floor) -> f64 {
 impl AxisExtremes {
     fn include_position(&mut self, [low, high]: [f64; 2], floor: &Floor) {
         let [least, most] = floor.position;
-        if !(low >= least && high <= most) {
+        if low < least || high > most {
             let [known_low, known_high] = self.position.unwrap_or([low, high]);
             self.position = Some([known_low.min(low), known_high.max(high)]);
         }

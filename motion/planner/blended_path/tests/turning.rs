@@ -2,7 +2,7 @@
 
 use super::random::{WEIGHTS, options, path};
 use super::*;
-use crate::time_optimal::blended_path::Bearing;
+use crate::blended_path::Bearing;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 

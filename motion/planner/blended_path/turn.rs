@@ -9,7 +9,6 @@
 
 use super::joint::{SLOWEST, Steps};
 use super::{BlendedElement, BlendedPoint};
-use crate::controller::heading;
 use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
 use twin_kinematics::direction_rates;
@@ -29,7 +28,8 @@ const MOST_PLACES: u32 = 64;
 
 /// The angle of a tangent seen from above, rad; none where it goes straight up or down.
 fn direction(tangent: Vector2<f64>) -> Option<f64> {
-    heading::direction(tangent).filter(|_| tangent.norm() > UPRIGHT)
+    // Without −0: it is on the other side of the cut along −x.
+    (tangent.norm() > UPRIGHT).then(|| (tangent.y + 0.0).atan2(tangent.x))
 }
 
 /// The direction of the path seen from above and its derivatives by the parameter of the course.

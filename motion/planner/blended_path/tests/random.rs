@@ -1,7 +1,7 @@
 //! Random paths of all shapes: the invariants at every joint.
 
 use super::*;
-use crate::time_optimal::blended_path::width::SLIVER;
+use crate::blended_path::width::SLIVER;
 use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::f64::consts::TAU;

@@ -89,7 +89,8 @@ impl Bernstein {
         while let Some((part, from, width)) = left.pop() {
             let least = best.map_or(floor, |(value, _)| value);
             let [_, high] = part.hull();
-            if !(high > least + tolerance * high.abs()) && best.is_some() || !(high > floor) {
+            let better = least + if best.is_some() { tolerance * high.abs() } else { 0.0 };
+            if high <= better || high.is_nan() {
                 continue;
             }
             for (value, at) in part.ends().into_iter().zip([from, from + width]) {

@@ -1,0 +1,451 @@
+//! Check of the planned motion, piece by piece, instead of at its set-points.
+
+use super::findings::{About, Findings};
+use super::messages;
+use crate::finding::Finding;
+use crate::limit::MachinePath;
+use crate::messages::{beyond_position, unreachable};
+use crate::peak::AxisPeak;
+use crate::tolerance::exceeds;
+use nalgebra::Vector3;
+use std::sync::Arc;
+use twin_kinematics::{AxisVector, MAX_AXES};
+use twin_machine::{Axis, Machine};
+use twin_number::seconds;
+use twin_path::Place;
+use twin_planner::blended_path::BlendedElement;
+use twin_planner::controller::trapezoid;
+use twin_planner::extremes::{AxisExtremes, Examiner, Extremes, Floor, Node};
+use twin_planner::planned_motion::{Piece, PlannedPiece};
+
+/// Extremes are exact to a millionth; no more than that is above a limit.
+const EXACT: f64 = 1.0 + 2e-6;
+/// The same for jerks, which are exact to a thousandth.
+const JERK_EXACT: f64 = 1.0 + 2e-3;
+/// Values below this part of their limits are not looked for between nodes.
+const LITTLE: f64 = 1e-3;
+/// Pieces that follow each other within this time, s, do so without a rest.
+const SAME_TIME: f64 = 1e-9;
+/// Feeds are told apart to this part of them.
+const SAME: f64 = 1e-12;
+/// A feed is looked for in so many steps, and below this part of the present one it is none.
+const TRIES: u32 = 40;
+const LEAST_PART: f64 = 1e-3;
+/// Parts of a feed with which a value is looked at again: lower feeds may be worse.
+const PARTS: [f64; 6] = [1.0, 0.9, 0.7, 0.5, 0.25, 0.1];
+
+/// The end of the last piece.
+#[derive(Debug)]
+struct Last {
+    place: Place,
+    /// When, s.
+    time: f64,
+    node: Node,
+    /// Direction of the path, work frame.
+    tangent: Vector3<f64>,
+}
+
+/// Checker of pieces.
+#[derive(Debug)]
+pub(super) struct PieceCheck<'m> {
+    machine: &'m Machine,
+    path: MachinePath<'m>,
+    near: AxisVector,
+    last: Option<Last>,
+    /// The last piece is out of reach, so that nothing is known of its end.
+    lost: bool,
+    open: Option<Open>,
+    /// Factors on the limits, as [`super::checker::Checker`] has them.
+    slack: [f64; 3],
+    /// Axes that are checked at set-points: slaves, and those that turn with the path.
+    sampled: Vec<bool>,
+    /// Steps of the velocity that an axis may make, m/s or rad/s.
+    steps: Vec<f64>,
+}
+
+/// An element under way, with the findings that a lower feed may cure: which, is known at its end.
+#[derive(Debug)]
+struct Open {
+    element: Arc<BlendedElement>,
+    near: AxisVector,
+    /// Velocities at its start and where it has come to, and the largest, m/s.
+    ends: [f64; 2],
+    fastest: f64,
+    wrong: Vec<Wrong>,
+}
+
+/// A value above its limit.
+#[derive(Debug)]
+struct Wrong {
+    axis: usize,
+    quantity: Quantity,
+    /// SI.
+    limit: f64,
+    finding: Finding,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Quantity {
+    Velocity,
+    Acceleration,
+    Deceleration,
+}
+
+/// A piece with what is known of it.
+struct Examined<'p> {
+    planned: &'p PlannedPiece,
+    place: Place,
+    extremes: Extremes,
+}
+
+impl<'m> PieceCheck<'m> {
+    pub(super) fn new(
+        machine: &'m Machine,
+        near: AxisVector,
+        slack: [f64; 3],
+        sampled: Vec<bool>,
+    ) -> Self {
+        let cycle = seconds(machine.cycle_ns);
+        Self {
+            machine,
+            path: MachinePath::without_motors(machine),
+            near,
+            last: None,
+            lost: false,
+            open: None,
+            slack,
+            sampled,
+            steps: machine.axes.iter().map(|axis| axis.velocity_step(cycle)).collect(),
+        }
+    }
+
+    /// Takes the next piece: its peaks and findings. `rapids`: how fast rapids are, m/s, where the machine file says it.
+    pub(super) fn take(
+        &mut self,
+        planned: &PlannedPiece,
+        peaks: &mut [AxisPeak],
+        findings: &mut Findings,
+        rapids: Option<f64>,
+    ) {
+        let place = planned.element.place();
+        let goes_on = self.last.as_ref().is_some_and(|last| last.goes_on(planned));
+        if !goes_on {
+            self.rest(peaks, findings);
+        }
+        if !self.open.as_ref().is_some_and(|open| Arc::ptr_eq(&open.element, &planned.element)) {
+            self.close(findings, rapids);
+        }
+        let floors = self.floors(peaks);
+        let examiner = Examiner::new(&self.path, seconds(self.machine.cycle_ns));
+        let extremes = match examiner.examine(&planned.element, &planned.piece, &self.near, &floors)
+        {
+            Ok(extremes) => extremes,
+            Err(out) => {
+                findings.add(None, unreachable(place, &out.error));
+                (self.last, self.open, self.lost) = (None, None, true);
+                return;
+            }
+        };
+        let examined = Examined { planned, place, extremes };
+        let mut open = self.open.take().unwrap_or_else(|| Open::at(planned, &self.near));
+        let lost = std::mem::take(&mut self.lost);
+        for (index, (axis, peak)) in self.machine.axes.iter().zip(peaks).enumerate() {
+            if self.sampled.get(index).copied().unwrap_or_default() {
+                continue;
+            }
+            let mut report = |finding| findings.add(Some(About::Axis(index)), finding);
+            self.values(&examined, index, axis, peak, &mut open.wrong, &mut report);
+            let edge = examined.extremes.axes.get(index).map_or(0.0, |found| found.step.value);
+            let limit = self.step_limit(index);
+            if exceeds(edge, limit) {
+                report(messages::steps_at_edge(axis, place, edge, limit));
+            }
+            if !lost {
+                self.step(self.last.as_ref(), Some(&examined), index, peak, &mut report);
+            }
+        }
+        let [_, end] = examined.extremes.ends;
+        let (state, _) = planned.piece.at(planned.piece.duration);
+        open.ends[1] = state.velocity;
+        open.fastest = open.fastest.max(state.velocity).max(planned.piece.at(0.0).0.velocity);
+        self.open = Some(open);
+        self.near = end.position;
+        self.last = Some(Last {
+            place,
+            time: planned.start() + planned.piece.duration,
+            node: end,
+            tangent: tangent(&planned.element, &planned.piece, planned.piece.duration),
+        });
+    }
+
+    /// Nothing follows.
+    pub(super) fn finish(
+        &mut self,
+        peaks: &mut [AxisPeak],
+        findings: &mut Findings,
+        rapids: Option<f64>,
+    ) {
+        self.rest(peaks, findings);
+        self.close(findings, rapids);
+    }
+
+    /// The path comes to rest after the last piece.
+    fn rest(&mut self, peaks: &mut [AxisPeak], findings: &mut Findings) {
+        let Some(last) = self.last.take() else { return };
+        for (index, peak) in peaks.iter_mut().enumerate() {
+            if !self.sampled.get(index).copied().unwrap_or_default() {
+                let mut report = |finding| findings.add(Some(About::Axis(index)), finding);
+                self.step(Some(&last), None, index, peak, &mut report);
+            }
+        }
+    }
+
+    /// The element under way is over: its findings, with the feeds that cure them.
+    fn close(&mut self, findings: &mut Findings, rapids: Option<f64>) {
+        let Some(mut open) = self.open.take() else { return };
+        for mut wrong in std::mem::take(&mut open.wrong) {
+            if findings.has_room(wrong.finding.severity) {
+                wrong.finding.largest_feed_mm_per_s = self.largest_feed(&open, &wrong);
+            }
+            if open.element.rapid()
+                && let Some(velocity) = rapids
+            {
+                wrong.finding.hint = Some(messages::rapid_hint(velocity));
+            }
+            findings.add(Some(About::Axis(wrong.axis)), wrong.finding);
+        }
+    }
+
+    /// What is of no interest: peaks that are known, and what is within limits.
+    fn floors(&self, peaks: &[AxisPeak]) -> Vec<Floor> {
+        let axes = self.machine.axes.iter().zip(peaks);
+        let floor = |known: f64, limit: f64| known.min(limit).max(LITTLE * limit);
+        let floors = axes.map(|(axis, peak)| {
+            let [low, high] = axis.position_limits;
+            let [known_low, known_high] =
+                peak.position.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+            let own = axis.own_deceleration();
+            let falling = peak.deceleration.unwrap_or_default().value;
+            Floor {
+                position: [known_low.max(low), known_high.min(high)],
+                velocity: floor(peak.velocity.value, axis.max_velocity),
+                acceleration: floor(peak.acceleration.value, axis.max_acceleration),
+                deceleration: own.map(|limit| floor(falling, limit)),
+                jerk: axis.max_jerk.map_or(f64::INFINITY, |limit| floor(peak.jerk.value, limit)),
+            }
+        });
+        floors.collect()
+    }
+
+    /// Position, velocity, acceleration and jerk of one axis.
+    fn values(
+        &self,
+        examined: &Examined<'_>,
+        index: usize,
+        axis: &Axis,
+        peak: &mut AxisPeak,
+        wrong: &mut Vec<Wrong>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        let Examined { place, extremes, .. } = examined;
+        let place = *place;
+        let Some(found) = extremes.axes.get(index) else { return };
+        let AxisExtremes { position, velocity, acceleration, deceleration, jerk, .. } = *found;
+        let [faster, harder, jerkier] = self.slack;
+        if let Some([low, high]) = position {
+            let [known_low, known_high] = peak.position.unwrap_or([low, high]);
+            peak.position = Some([known_low.min(low), known_high.max(high)]);
+            for position in [low, high] {
+                beyond_position(axis, place, position).into_iter().for_each(&mut *report);
+            }
+        }
+        peak.velocity.include(velocity.value, place);
+        if exceeds(velocity.value, EXACT * faster * axis.max_velocity) {
+            let finding = messages::too_fast(axis, place, velocity.value);
+            let (quantity, limit) = (Quantity::Velocity, axis.max_velocity);
+            wrong.push(Wrong { axis: index, quantity, limit, finding });
+        }
+        let hard = [
+            (false, acceleration.value, Quantity::Acceleration),
+            (true, deceleration.value, Quantity::Deceleration),
+        ];
+        for (slows, value, quantity) in hard {
+            if slows && axis.own_deceleration().is_none() {
+                continue;
+            }
+            let limit = axis.acceleration_limit(slows);
+            peak.include_acceleration(axis, slows, value, place);
+            if exceeds(value, EXACT * harder * limit) {
+                let finding = messages::too_hard(axis, place, value, slows);
+                wrong.push(Wrong { axis: index, quantity, limit, finding });
+            }
+        }
+        peak.jerk.include(jerk.value, place);
+        if let Some(limit) =
+            axis.max_jerk.filter(|limit| exceeds(jerk.value, JERK_EXACT * jerkier * *limit))
+        {
+            report(messages::too_jerky(axis, place, jerk.value, limit));
+        }
+    }
+
+    /// The largest change of the velocity at once, m/s or rad/s.
+    fn step_limit(&self, index: usize) -> f64 {
+        let [_, harder, _] = self.slack;
+        self.steps.get(index).map_or(f64::INFINITY, |limit| harder * limit)
+    }
+
+    /// What velocity and acceleration of one axis change at once from the piece before to the next; at rest where there
+    /// is none.
+    fn step(
+        &self,
+        last: Option<&Last>,
+        next: Option<&Examined<'_>>,
+        index: usize,
+        peak: &mut AxisPeak,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        let Some(axis) = self.machine.axes.get(index) else { return };
+        let of = |node: Option<&Node>, order: usize| {
+            let rates = node.and_then(|node| node.rates.get(order));
+            rates.and_then(|rates| rates.get(index)).copied().unwrap_or_default()
+        };
+        let before = last.map(|last| &last.node);
+        let start = next.map(|next| &next.extremes.ends[0]);
+        let [velocity, acceleration] = [0, 1].map(|order| of(start, order) - of(before, order));
+        // What comes up is of the new block, what ends of the one before.
+        let place = |rises: bool| match (next, last) {
+            (Some(next), _) if rises => next.place,
+            (_, Some(last)) => last.place,
+            (Some(next), None) => next.place,
+            (None, None) => Place::default(),
+        };
+        let limit = self.step_limit(index);
+        let moving = next.map_or(0.0, |next| next.planned.piece.at(0.0).0.velocity);
+        if exceeds(velocity, limit)
+            && moving < LITTLE * next.map_or(0.0, |next| next.planned.element.feed())
+        {
+            report(messages::steps_at_edge(axis, place(start.is_some()), velocity.abs(), limit));
+        } else if exceeds(velocity, limit) {
+            let place = place(start.is_some());
+            let (angle, feed) = match (last, next) {
+                (Some(last), Some(Examined { planned, .. })) => {
+                    let direction = tangent(&planned.element, &planned.piece, 0.0);
+                    let feed = moving * limit / velocity.abs();
+                    (Some(last.tangent.angle(&direction)), Some(feed))
+                }
+                _ => (None, None),
+            };
+            report(messages::steps(axis, place, velocity.abs(), limit, angle, feed));
+        }
+        let jerk = acceleration.abs() / seconds(self.machine.cycle_ns);
+        let place = place(of(start, 1).abs() >= of(before, 1).abs());
+        let [.., jerkier] = self.slack;
+        peak.jerk.include(jerk, place);
+        if let Some(limit) = axis.max_jerk.filter(|limit| exceeds(jerk, jerkier * *limit)) {
+            report(messages::too_jerky(axis, place, jerk, limit));
+        }
+    }
+
+    /// The largest feed of an element below which a value stays within its limit, mm/s; none if no feed is small enough.
+    fn largest_feed(&self, open: &Open, wrong: &Wrong) -> Option<f64> {
+        let power = match wrong.quantity {
+            Quantity::Velocity => 1.0,
+            Quantity::Acceleration | Quantity::Deceleration => 0.5,
+        };
+        // Where the value goes with a power of the feed, this finds it at once.
+        let mut above = open.fastest;
+        let mut below = 0.0;
+        for _ in 0..TRIES {
+            let value = self.value(open, wrong, above)?;
+            let next = above * (wrong.limit / value).powf(power).min(1.0);
+            if next * (1.0 + SAME) >= above {
+                below = next * (1.0 - SAME);
+                break;
+            }
+            above = next;
+        }
+        let holds = |feed: f64| {
+            self.value(open, wrong, feed).is_some_and(|value| !exceeds(value, wrong.limit))
+        };
+        // No larger one than those below which it holds, either.
+        for _ in 0..TRIES {
+            if below < LEAST_PART * open.fastest {
+                return None;
+            }
+            match PARTS.into_iter().find(|part| !holds(part * below)) {
+                Some(part) => below *= 0.5 * part,
+                None => break,
+            }
+        }
+        let mut top = open.fastest;
+        while top > below * (1.0 + SAME) {
+            let middle = below.midpoint(top);
+            if holds(middle) { below = middle } else { top = middle }
+        }
+        Some(below * 1e3)
+    }
+
+    /// The value with a `feed` (m/s) on the element.
+    fn value(&self, open: &Open, wrong: &Wrong, feed: f64) -> Option<f64> {
+        let Wrong { axis, quantity, limit, .. } = *wrong;
+        let element = &open.element;
+        let rates = [element.acceleration(), element.deceleration()];
+        let pieces = trapezoid(element.length(), open.ends, feed, rates);
+        let none = Floor {
+            position: [f64::NEG_INFINITY, f64::INFINITY],
+            velocity: f64::INFINITY,
+            acceleration: f64::INFINITY,
+            deceleration: None,
+            jerk: f64::INFINITY,
+        };
+        let mut floors = [none; MAX_AXES];
+        let floor = floors.get_mut(axis)?;
+        let own = self.machine.axes.get(axis)?.own_deceleration();
+        floor.deceleration = own.map(|_| f64::INFINITY);
+        let little = LITTLE * limit;
+        match quantity {
+            Quantity::Velocity => floor.velocity = little,
+            Quantity::Acceleration => floor.acceleration = little,
+            Quantity::Deceleration => floor.deceleration = Some(little),
+        }
+        let examiner = Examiner::new(&self.path, seconds(self.machine.cycle_ns));
+        let mut largest = 0.0_f64;
+        let mut near = open.near;
+        for piece in &pieces {
+            let found = examiner.examine(element, piece, &near, &floors).ok()?;
+            near = found.ends[1].position;
+            let found = found.axes.get(axis)?;
+            largest = largest.max(match quantity {
+                Quantity::Velocity => found.velocity.value,
+                Quantity::Acceleration => found.acceleration.value,
+                Quantity::Deceleration => found.deceleration.value,
+            });
+        }
+        Some(largest)
+    }
+}
+
+impl Last {
+    /// True if `planned` begins where and when the last piece has ended.
+    fn goes_on(&self, planned: &PlannedPiece) -> bool {
+        (planned.start() - self.time).abs() < SAME_TIME
+    }
+}
+
+impl Open {
+    fn at(planned: &PlannedPiece, near: &AxisVector) -> Self {
+        let velocity = planned.piece.at(0.0).0.velocity;
+        Self {
+            element: Arc::clone(&planned.element),
+            near: *near,
+            ends: [velocity; 2],
+            fastest: velocity,
+            wrong: Vec::new(),
+        }
+    }
+}
+
+/// Direction of the path `time` s after the begin of a piece.
+fn tangent(element: &BlendedElement, piece: &Piece, time: f64) -> Vector3<f64> {
+    element.at(piece.at(time).0.position).first
+}

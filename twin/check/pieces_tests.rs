@@ -1,0 +1,108 @@
+//! Tests of the check by pieces of the plan: what lies between set-points, against closed forms.
+
+use super::Outcome;
+use super::tests::checked;
+use crate::finding::{Finding, Rule};
+
+/// X and Y: 3000 mm/s², which is 3 mm/s in a cycle.
+const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+/// Arms of 250 and 200 mm; A: 1500 deg/s², B: 2500 deg/s².
+const SCARA2: &str = include_str!("../../machines/scara2.toml");
+
+/// The values of a rule by axis, in deg or mm.
+fn values(outcome: &Outcome, rule: Rule) -> Vec<(&str, f64)> {
+    let found = outcome.findings.iter().filter(|finding| finding.rule == rule);
+    let mut values: Vec<_> =
+        found.map(|finding| (finding.axis.as_deref().unwrap(), finding.value.unwrap())).collect();
+    values.sort_by_key(|(axis, _)| *axis);
+    values
+}
+
+#[track_caller]
+fn near(found: &[(&str, f64)], wanted: &[(&str, f64)], part: f64) {
+    let fits = found.len() == wanted.len()
+        && found.iter().zip(wanted).all(|((axis, value), (other, expected))| {
+            axis == other && (value / expected - 1.0).abs() < part
+        });
+    assert!(fits, "{found:?} instead of {wanted:?}");
+}
+
+fn step(outcome: &Outcome) -> &Finding {
+    let mut steps = outcome.findings.iter();
+    steps.find(|finding| finding.rule == Rule::AxisVelocityStep).unwrap()
+}
+
+/// A corner of `degrees` that is passed at F, at 200 mm from the start.
+fn corner(degrees: f64, feed: f64) -> String {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let (x, y) = (200.0 + 100.0 * cos, 100.0 * sin);
+    format!("% corner\nN10 F{feed:.9} E1000 E-1000\nN20 G1 X200 Y0\nN30 G1 X{x:.9} Y{y:.9}\n")
+}
+
+/// Y steps by F·sin δ where the path turns by δ without a stop; with the feed of the message by no more than it may.
+#[test]
+fn a_corner_within_the_tolerance_steps() {
+    for degrees in [1.9_f64, 1.0, 0.9] {
+        let outcome = checked(GANTRY3, &corner(degrees, 200.0));
+        let expected = 200.0 * degrees.to_radians().sin();
+        let found = values(&outcome, Rule::AxisVelocityStep);
+        near(&found, &[("Y", expected)], 1e-6);
+        let finding = step(&outcome);
+        assert_eq!((finding.line, finding.limit), (4, Some(3.0)));
+        assert!(finding.message.contains(&format!("turns by {degrees}°")), "{finding:?}");
+        let feed = finding.largest_feed_mm_per_s.unwrap();
+        assert!((feed / (3.0 / degrees.to_radians().sin()) - 1.0).abs() < 1e-6, "{feed}");
+        let again = |feed: f64| !checked(GANTRY3, &corner(degrees, feed)).findings.is_empty();
+        assert!(!again(feed * (1.0 - 1e-9)) && again(1.001 * feed), "{degrees}");
+    }
+    // 2.79 mm/s are less than an axis makes in a cycle; the angle is above the tolerance, and the path stops.
+    for degrees in [0.8, 15.0] {
+        assert_eq!(checked(GANTRY3, &corner(degrees, 200.0)).findings, []);
+    }
+    // The machine file says otherwise.
+    let x = "max_acceleration_mm_per_s2 = 3000.0";
+    assert_eq!(GANTRY3.matches(x).count(), 2);
+    let weak = GANTRY3.replace(x, &format!("{x}\nmax_velocity_step_mm_per_s = 1.0"));
+    let outcome = checked(&weak, &corner(0.8, 200.0));
+    near(
+        &values(&outcome, Rule::AxisVelocityStep),
+        &[("Y", 200.0 * 0.8_f64.to_radians().sin())],
+        1e-6,
+    );
+}
+
+/// An arc that goes on from a line steps in acceleration only, by F²/r.
+#[test]
+fn from_a_line_into_an_arc() {
+    let program =
+        "% arc\nN10 F150 E1000 E-1000\nN20 G1 X200 Y0\nN30 G3 X203 Y3 I0 J3\nN40 G1 Y100\n";
+    let outcome = checked(GANTRY3, program);
+    assert_eq!(values(&outcome, Rule::AxisVelocityStep), []);
+    near(&values(&outcome, Rule::AxisAcceleration), &[("X", 7500.0), ("Y", 7500.0)], 1e-6);
+}
+
+/// Where the tool comes to rest with a constant deceleration E and the arms stretched, B arrives with
+/// √(E·(L1 + L2)/(L1·L2)), and A with L2/(L1 + L2) of that.
+#[test]
+fn a_line_that_ends_with_stretched_arms_steps() {
+    for (feed, deceleration) in [(60.0, 300.0), (100.0, 1000.0), (20.0, 1000.0)] {
+        let program = format!(
+            "% stretched\nN10 G92 X300 Y0 Z20\nN20 F{feed} E{deceleration} E-{deceleration}\nN30 G1 X450 Y0\n"
+        );
+        let outcome = checked(SCARA2, &program);
+        let b = f64::sqrt(deceleration * 450.0 / (250.0 * 200.0)).to_degrees();
+        let wanted = [("A", b * 200.0 / 450.0), ("B", b)];
+        near(&values(&outcome, Rule::AxisVelocityStep), &wanted, 1e-3);
+        assert_eq!(step(&outcome).largest_feed_mm_per_s, None);
+    }
+}
+
+/// A circle of 50 mm that touches the edge of the reach, 450 mm, from inside: B = 0.6325·|θ| there, which reverses at once.
+#[test]
+fn a_circle_that_touches_the_edge_of_the_reach_steps() {
+    let program = "% touches\nN10 G92 X350 Y0 Z20\nN20 F60 E300 E-300\nN30 G3 X350 Y0 I50 J0\n";
+    let outcome = checked(SCARA2, program);
+    // |θ̇| = F/r = 1.2 rad/s.
+    let b = 2.0 * 0.632_5 * 1.2_f64.to_degrees();
+    near(&values(&outcome, Rule::AxisVelocityStep), &[("A", b * 200.0 / 450.0), ("B", b)], 2e-3);
+}
