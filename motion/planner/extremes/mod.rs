@@ -294,9 +294,12 @@ impl Extremes {
             let [v, a, j] = node.rates.map(|rates| rates[index]);
             axis.include_position([*position; 2], floor);
             axis.velocity.include(v.abs(), node.time);
-            let slows = floor.deceleration.is_some() && v * a < 0.0;
-            let largest = if slows { &mut axis.deceleration } else { &mut axis.acceleration };
-            largest.include(a.abs(), node.time);
+            match floor.deceleration {
+                // At rest the neighbours say which limit counts.
+                Some(_) if v.abs() <= rounding(floor) => {}
+                Some(_) if v * a < 0.0 => axis.deceleration.include(a.abs(), node.time),
+                _ => axis.acceleration.include(a.abs(), node.time),
+            }
             axis.jerk.include(j.abs(), node.time);
         }
     }
