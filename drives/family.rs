@@ -115,6 +115,8 @@ pub struct Abilities {
     pub speeds: RangeInclusive<f64>,
     /// Largest position of its counters, increments.
     pub counts: f64,
+    /// Speed that its step motors start with at once, increments/s; none if it is not known.
+    pub start_stop: Option<f64>,
 }
 
 /// A drive family.

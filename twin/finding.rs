@@ -99,6 +99,22 @@ pub(crate) fn nothing_moves() -> Finding {
     Finding::error(Rule::Syntax, Place { line: 1, block: None }, message)
 }
 
+/// The worst error: one without a number, or that whose value is the largest multiple of its limit.
+pub fn worst(findings: &[Finding]) -> Option<&Finding> {
+    let errors = || findings.iter().filter(|finding| finding.severity == Severity::Error);
+    let factor = |finding: &Finding| match finding.rule {
+        Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisVelocityStep => {
+            finding.value.zip(finding.limit).map(|(value, limit)| (value / limit).abs())
+        }
+        _ => None,
+    };
+    errors().find(|finding| factor(finding).is_none()).or_else(|| {
+        errors().max_by(|one, other| {
+            factor(one).unwrap_or_default().total_cmp(&factor(other).unwrap_or_default())
+        })
+    })
+}
+
 /// True if any finding makes the program unfit for the machine.
 pub fn unfit(findings: &[Finding]) -> bool {
     findings.iter().any(|finding| finding.severity == Severity::Error)

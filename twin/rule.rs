@@ -169,6 +169,12 @@ rules! {
             "slow the master down or accelerate it less; `twin tune cam --find` with --minimise acceleration makes the cam's peak smaller, --within S a ramp's",
         ],
     }
+    ProgrammedPlan {
+        name: "programmed-plan",
+        severities: [Warning],
+        meaning: "planned within the limits of the axes the program is fit, but a controller that plans by F and E alone would overload an axis; one warning names the worst line",
+        remedy: "run the program with twin's plan, or check with --limits programmed, which lists all such lines with the feed that each allows",
+    }
     FeedReduced {
         name: "feed-reduced",
         severities: [Error, Note],

@@ -210,7 +210,11 @@ impl Device for Bim2AxEntry {
     /// Speeds are whole steps/s, at least the start-stop speed; a quarter of the largest is one, too.
     fn abilities(&self) -> Abilities {
         let unit = self.mode.speed_unit();
-        Abilities { speeds: 4.0 * unit..=65_535.0 * unit, counts: f64::from(MOST_POSITION) }
+        Abilities {
+            speeds: 4.0 * unit..=65_535.0 * unit,
+            counts: f64::from(MOST_POSITION),
+            start_stop: Some(f64::from(self.start_stop_speed) * unit),
+        }
     }
 
     fn response_us(&self) -> u32 {

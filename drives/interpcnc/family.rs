@@ -217,7 +217,11 @@ impl Device for InterpCncEntry {
     /// A quarter of its largest velocity, with which the start of a program is approached, must be a speed too, and 200
     /// kHz is the most the board makes.
     fn abilities(&self) -> Abilities {
-        Abilities { speeds: 4.0..=f64::from(MAX_SPEED_HZ), counts: f64::from(i32::MAX) }
+        Abilities {
+            speeds: 4.0..=f64::from(MAX_SPEED_HZ),
+            counts: f64::from(i32::MAX),
+            start_stop: Some(f64::from(self.start_stop_hz)),
+        }
     }
 
     fn response_us(&self) -> u32 {

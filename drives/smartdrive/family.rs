@@ -136,7 +136,7 @@ impl Device for SmartDriveEntry {
     /// Speeds are whole turns per minute; a quarter of the largest is one, too.
     fn abilities(&self) -> Abilities {
         let speeds = self.turn.steps(4.0)..=self.turn.steps(f64::from(i16::MAX));
-        Abilities { speeds, counts: f64::from(i32::MAX) }
+        Abilities { speeds, counts: f64::from(i32::MAX), start_stop: None }
     }
 
     fn response_us(&self) -> u32 {

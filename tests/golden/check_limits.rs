@@ -1,4 +1,4 @@
-//! `twin check --limits axes` as a process: the same check over the path as fast as the axes allow.
+//! `twin check` as a process within the limits of the axes, its default, and by F and E alone.
 
 use crate::process::{Desk, number};
 use serde_json::Value;
@@ -27,7 +27,7 @@ fn desk() -> Desk {
 #[test]
 fn a_program_too_fast_for_an_axis_is_fit_and_its_lines_are_noted() {
     let desk = desk();
-    check(&desk, "lines.cnc", "", 1);
+    check(&desk, "lines.cnc", "--limits programmed", 1);
     let report = check(&desk, "lines.cnc", AXES, 0);
     let line = |length: f64, velocity: f64| length / velocity + velocity / 2000.0;
     let expected = line(40.0, 150.0) + line(60.0, 200.0);
@@ -36,7 +36,10 @@ fn a_program_too_fast_for_an_axis_is_fit_and_its_lines_are_noted() {
     let peak = &report["peak"]["Z"]["velocity"];
     assert!(number(&peak["value"]) <= 200.2 && number(&peak["value"]) > 199.5, "{peak}");
     let findings = report["findings"].as_array().expect("a list");
-    let [note] = &findings[..] else { panic!("{findings:#?}") };
+    let [warning, note] = &findings[..] else { panic!("{findings:#?}") };
+    assert_eq!((&warning["rule"], &warning["line"]), (&"programmed-plan".into(), &4.into()));
+    let said = warning["message"].as_str().expect("text");
+    assert!(said.contains("by a factor of 1.73: axis Z: velocity 346.41 mm/s"), "{said}");
     for (key, value) in [
         ("rule", Value::from("feed-reduced")),
         ("severity", "note".into()),
@@ -50,9 +53,9 @@ fn a_program_too_fast_for_an_axis_is_fit_and_its_lines_are_noted() {
     for (key, value) in [("value", 200.0), ("limit", 400.0), ("largest_feed_mm_per_s", 200.0)] {
         assert!((number(&note[key]) - value).abs() < 1e-9, "{note}");
     }
-    desk.twin("check lines.cnc -m machine.toml --limits axes")
+    desk.twin("check lines.cnc -m machine.toml -v")
         .ended(0, "the programmed feed of 400 mm/s cannot be held: velocity of Z allows 200 mm/s")
-        .says("fit for the machine: 0 errors");
+        .says("fit: 0 errors, 1 warning");
 }
 
 /// The simulated machine follows what it is given.
@@ -73,7 +76,7 @@ fn waiting_takes_as_long_as_in_the_controllers_planning() {
         "% waits\nN10 G92 X300 Y100 Z60 F100 E2000 E-2000\nN20 G1 X340\nN30 M3\nN50 M7\nN60 G1 X300\n",
     );
     desk.add_to_machine("\n[[m_functions]]\nm = 3\ntime_ms = 500\n");
-    let [own, axes] = ["--m-ack 30ms", "--m-ack 30ms --limits axes"]
+    let [own, axes] = ["--m-ack 30ms --limits programmed", "--m-ack 30ms"]
         .map(|options| number(&check(&desk, "waits.cnc", options, 0)["duration_s"]));
     assert!((own - axes).abs() < 3e-3, "{own} s and {axes} s");
     assert!(own > 2.0 * 0.45 + 0.5 + 0.03, "{own} s");
@@ -89,7 +92,7 @@ fn what_is_wrong_stays_wrong() {
     let [finding] = &findings[..] else { panic!("{findings:#?}") };
     assert_eq!((&finding["rule"], &finding["line"]), (&"axis-position".into(), &3.into()));
     let arguments = "check lines.cnc -m machine.toml --limits axes";
-    desk.twin(&format!("{arguments} --profile sigmoid")).ended(2, "--limits softmotion");
+    desk.twin(&format!("{arguments} --profile sigmoid")).ended(2, "--limits programmed");
 }
 
 /// At corners a knife would have to turn at once; within the limits of the axes it takes its time.
@@ -97,7 +100,7 @@ fn what_is_wrong_stays_wrong() {
 fn a_knife_turns_in_time() {
     let desk = desk();
     let cutter = "machines/gantry_cutter3.toml";
-    desk.twin(&format!("check lines.cnc -m {cutter} --format json"))
+    desk.twin(&format!("check lines.cnc -m {cutter} --format json --limits programmed"))
         .ended(1, "")
         .says("axis-velocity");
     desk.write("corner.cnc", "% c\nN10 G92 X0 Y0 Z20\nN20 G1 X50 F50 E2000 E-2000\nN30 G1 Y50\n");
@@ -115,7 +118,7 @@ fn a_knife_turns_in_time() {
 #[test]
 fn shipped_programs_are_fit() {
     Desk::new()
-        .twin("check examples/plate.cnc -m machines/scara2.toml --limits axes")
+        .twin("check examples/plate.cnc -m machines/scara2.toml")
         .ended(0, "")
-        .says("fit for the machine: 0 errors, 0 warnings");
+        .says("fit: 0 errors, 0 warnings");
 }

@@ -294,7 +294,7 @@ fn what_is_about_paths_refuses_jobs() {
         "path job.toml",
         "check job.toml --machine machine.toml --limits axes",
     ] {
-        desk.twin(line).ended(2, "is a job");
+        desk.twin(line).ended(2, "a job");
     }
 }
 
@@ -310,7 +310,7 @@ fn the_shipped_job_is_fit() {
 #[test]
 fn a_job_with_mistakes_prints_no_table_of_drives() {
     let desk = desk(360.0);
-    let check = |desk: &Desk| desk.twin("check job.toml --machine machine.toml");
+    let check = |desk: &Desk| desk.twin("check job.toml --machine machine.toml --drives predicted");
     assert!(check(&desk).stdout.contains("drives, predicted"));
     desk.write("job.toml", &job(360.0).replace("MC_GearIn", "MC_GearInn"));
     let done = check(&desk);

@@ -136,7 +136,7 @@ fn a_program_that_no_axis_limits_takes_as_long_as_ever() {
 #[test]
 fn an_axis_asked_for_twice_its_speed_is_within_its_limits() {
     let desk = desk();
-    desk.twin("check lines.cnc -m machine.toml").ended(1, "axis-velocity");
+    desk.twin("check lines.cnc -m machine.toml --limits programmed").ended(1, "axis-velocity");
     let done = limit(&desk, "-o lines.csv --format json");
     let report = done.ended(0, "").object();
     let duration = number(&report["duration_s"]);
@@ -386,17 +386,17 @@ fn controllers_time() -> f64 {
 #[test]
 fn the_controllers_own_planning_is_compared() {
     let desk = desk();
-    let softmotion = "--limits softmotion";
+    let programmed = "--limits programmed";
     let outputs = "-o own.csv -o own.svg --format json";
-    let report = limit(&desk, &format!("{softmotion} {outputs}")).ended(0, "").object();
+    let report = limit(&desk, &format!("{programmed} {outputs}")).ended(0, "").object();
     let [own, axes] =
         ["duration_s", "duration_under_axis_limits_s"].map(|key| number(&report[key]));
     assert!((own - controllers_time()).abs() < 6e-3, "{own} s, not {}", controllers_time());
     assert!((axes - least_time()).abs() < 2e-3, "{axes} s, not {}", least_time());
     assert!((number(&report["ratio"]) - axes / own).abs() < 1e-9);
-    assert_eq!(report["limits"], "softmotion");
+    assert_eq!(report["limits"], "programmed");
     // Set-points of the motion that `check` looks at between them, too.
-    let checked = desk.twin("check lines.cnc -m machine.toml --format json");
+    let checked = desk.twin("check lines.cnc -m machine.toml --limits programmed --format json");
     let checked = checked.ended(1, "").object();
     assert_eq!(report["duration_s"], checked["duration_s"]);
     for axis in ["X", "Y", "Z"] {
@@ -420,7 +420,7 @@ fn the_controllers_own_planning_is_compared() {
     roxmltree::Document::parse(&picture).expect("well-formed");
     assert!(picture.contains("as its controller plans it"));
 
-    let done = limit(&desk, softmotion);
+    let done = limit(&desk, programmed);
     let text = &done.ended(0, "").stdout;
     assert!(text.contains("under the limits of the axes 1.98"), "{text}");
     let beyond = "velocity of Z: 1.7";
@@ -429,7 +429,7 @@ fn the_controllers_own_planning_is_compared() {
     let of_line = |text: &str| line.ends_with(&format!(" times its limit in line {text}"));
     assert!(of_line("4 (N30)") || of_line("6 (N50)"), "{line}");
     // Override and profile are its own.
-    let slow = format!("{softmotion} --override 0.5 --format json");
+    let slow = format!("{programmed} --override 50 --format json");
     let report = limit(&desk, &slow).ended(0, "").object();
     let line = |length: f64, velocity: f64| length / velocity + velocity / 2000.0;
     let half = 2.0 * (line(40.0, 75.0) + line(60.0, 200.0)) + line(2000.0_f64.sqrt(), 50.0);
@@ -445,7 +445,7 @@ fn a_knife_turns_round() {
     let expected = least_time() + 2.0 * (180.0 / 1080.0 + 1080.0 / 20000.0);
     let found = number(&report["duration_s"]);
     assert!((found - expected).abs() < 1e-3, "{found} {expected}");
-    let done = desk.twin(&format!("{turning} --limits softmotion"));
+    let done = desk.twin(&format!("{turning} --limits programmed"));
     let report = done.ended(0, "").object();
     let found = number(&report["duration_under_axis_limits_s"]);
     assert!((found - expected).abs() < 1e-3, "{found} {expected}");
@@ -460,7 +460,7 @@ fn a_program_that_is_not_fit_is_called_so() {
     let done = limit(&desk, "--feasible slower.cnc");
     done.ended(1, "axis X at 900.000 mm is above its software limit of 650.000 mm");
     done.ended(1, "slower.cnc: not written");
-    assert!(done.stdout.starts_with("NOT fit for the machine"), "{}", done.stdout);
+    assert!(done.stdout.starts_with("not fit"), "{}", done.stdout);
     assert!(!desk.path("slower.cnc").exists());
     desk.write("lines.cnc", "% nothing\n");
     limit(&desk, "").ended(1, "no block that moves anything");
@@ -517,7 +517,8 @@ fn a_knife_turns_at_once_in_the_controllers_own_planning() {
         let of = "examples/contour.cnc -m machines/gantry_cutter3.toml --format json";
         desk.twin(&format!("{command} {of} {more}")).object()
     };
-    let (checked, own) = (with("check", ""), with("limit", "--limits softmotion"));
+    let (checked, own) =
+        (with("check", "--limits programmed"), with("limit", "--limits programmed"));
     let largest = |report: &Value| number(&report["peak"]["R"]["velocity"]["value"]);
     assert!(largest(&checked) > 2.0 * number(&checked["peak"]["R"]["velocity"]["limit"]));
     assert!((largest(&own) - largest(&checked)).abs() < 1e-6 * largest(&checked), "{own}");
@@ -536,10 +537,10 @@ fn wrong_use_is_status_2() {
     limit(&desk, "--without axis-acceleration --without path-acceleration")
         .ended(2, "nothing limits how fast the path speeds up");
     limit(&desk, "--without gravity").ended(2, "gravity");
-    limit(&desk, "--profile sigmoid").ended(2, "--limits softmotion");
-    limit(&desk, "--look-ahead 3").ended(2, "--limits softmotion");
-    limit(&desk, "--limits softmotion --without feed").ended(2, "--without is for");
-    limit(&desk, "--limits softmotion --feasible slower.cnc")
+    limit(&desk, "--profile sigmoid").ended(2, "--limits programmed");
+    limit(&desk, "--look-ahead 3").ended(2, "--limits programmed");
+    limit(&desk, "--limits programmed --without feed").ended(2, "--without is for");
+    limit(&desk, "--limits programmed --feasible slower.cnc")
         .ended(2, "--feasible is for --limits axes");
     desk.twin("limit none.cnc -m machine.toml").ended(2, "cannot read program none.cnc");
     desk.twin("limit lines.cnc").ended(2, "--machine");

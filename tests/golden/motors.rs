@@ -26,7 +26,9 @@ fn desk(edits: &[(&str, &str)]) -> Desk {
 }
 
 fn check(desk: &Desk, format: &str) -> Done {
-    desk.twin(&format!("check down.cnc -m motors.toml --physics --format {format}"))
+    desk.twin(&format!(
+        "check down.cnc -m motors.toml --limits programmed --physics --format {format}"
+    ))
 }
 
 fn json(desk: &Desk, status: i32) -> Value {

@@ -24,7 +24,7 @@ use std::{env, fs, thread};
 /// Hashed outputs of each program on each machine: a name, the command and what follows the program and the machine.
 const OUTPUTS: [(&str, &str, &[&str]); 3] = [
     ("setpoints", "path", &["--format", "setpoints"]),
-    ("check", "check", &["--format", "json"]),
+    ("check", "check", &["--limits", "programmed", "--drives", "predicted", "--format", "json"]),
     ("limit", "limit", &["--format", "json"]),
 ];
 

@@ -70,7 +70,7 @@ fn near(row: &Value, key: &str, expected: f64) {
 /// over 0.625 mm, so 82.5 mm at 10 mm/s: 9.5 s.
 #[test]
 fn the_override_changes_on_the_way() {
-    let rows = setpoints(&Desk::new(), "--at 1:override=0.5");
+    let rows = setpoints(&Desk::new(), "--at 1:override=50");
     near(&rows[500], "velocity_mm_per_s", 20.0);
     near(&rows[1000], "x", 15.0);
     near(&rows[1125], "velocity_mm_per_s", 10.0);
@@ -106,7 +106,7 @@ fn stops_hold_the_path() {
 #[test]
 fn a_path_is_gone_both_ways_and_by_position() {
     let desk = Desk::new();
-    let rows = setpoints(&desk, "--both-ways --at 2:override=-1");
+    let rows = setpoints(&desk, "--both-ways --at 2:override=-100");
     let farthest = rows.iter().filter_map(|row| row["position_mm"][0].as_f64()).fold(0.0, f64::max);
     // 35 mm after 2 s, and 2.5 mm to stop.
     assert!((farthest - 37.5).abs() < 1e-6, "{farthest}");

@@ -160,12 +160,11 @@ fn the_verdict_comes_first() {
     desk.write("fit.cnc", "%\nN10 G1 X10 F50 E500 E-500\n");
     desk.write("unfit.cnc", "%\nN10 G1 X300 F500 E2000 E-2000\n");
     let first = |program: &str, status: i32| {
-        let done = desk.twin(&format!("check {program} -m machine.toml"));
+        let done = desk.twin(&format!("check {program} -m machine.toml --limits programmed"));
         done.ended(status, "").stdout.lines().next().expect("a line").to_owned()
     };
-    assert_eq!(first("fit.cnc", 0), "fit.cnc: fit for the machine: 0 errors, 0 warnings");
-    // The drive of an axis that is asked for too much is predicted to fall behind, too.
-    assert_eq!(first("unfit.cnc", 1), "unfit.cnc: NOT fit for the machine: 1 error, 1 warning");
+    assert_eq!(first("fit.cnc", 0), "fit.cnc: fit: 0 errors, 0 warnings");
+    assert_eq!(first("unfit.cnc", 1), "unfit.cnc: not fit: 1 error, 0 warnings");
 }
 
 /// What one lost answer costs is a line that only -v asks for: 20 mm/s for the 750 ms of an InterpCNC (250 ms asked
@@ -175,7 +174,7 @@ fn lost_answers_are_a_line_behind_v() {
     let desk = Desk::new();
     desk.write("slow.cnc", "%\nN10 G1 X40 F20 E500 E-500\n");
     let run = |more: &str| {
-        let done = desk.twin(&format!("check slow.cnc -m machine.toml {more}"));
+        let done = desk.twin(&format!("check slow.cnc -m machine.toml --drives predicted {more}"));
         done.ended(0, "");
         let lines = done.stdout.lines().filter(|line| line.contains("lost answer"));
         lines.map(str::to_owned).collect::<Vec<_>>()
@@ -198,7 +197,7 @@ fn a_deceleration_has_its_own_limit() {
     desk.write("machine.toml", &text.replacen(key, &own, 1));
     desk.write("hard.cnc", "%\nN10 G1 X200 F100 E2000 E-2000\n");
     desk.write("soft.cnc", "%\nN10 G1 X200 F100 E2000 E-1500\n");
-    let report = check(&desk, "hard.cnc", 1);
+    let report = check(&desk, "hard.cnc --limits programmed", 1);
     let finding = &report["findings"][0];
     assert_eq!(finding["rule"], "axis-acceleration");
     let message = finding["message"].as_str().expect("text");
@@ -210,7 +209,7 @@ fn a_deceleration_has_its_own_limit() {
         assert!((number(&peak["limit"]) - limit).abs() < 1e-6, "{peak}");
     }
     assert_eq!(report["peak"]["Y"]["deceleration"], Value::Null);
-    assert!(found(&check(&desk, "soft.cnc", 0)).is_empty());
+    assert!(found(&check(&desk, "soft.cnc --limits programmed", 0)).is_empty());
     // Plans within the limits of the axes speed up with E2000 and slow down with the deceleration of the axis.
     let report = check(&desk, "hard.cnc --limits axes", 0);
     for (key, most) in [("acceleration", 2000.0), ("deceleration", 1500.0)] {

@@ -13,7 +13,7 @@ const ONE_LINE_S: f64 = 1.0 + 0.5;
 
 fn run(desk: &Desk) -> Child {
     desk.write("steps.cnc", PROGRAM);
-    let arguments = "run steps.cnc -m machine.toml --limits softmotion --drives none --realtime";
+    let arguments = "run steps.cnc -m machine.toml --limits programmed --drives none --realtime";
     Command::new("script")
         .args(["-qec", &format!("{BINARY} {arguments} --report run.json"), "/dev/null"])
         .current_dir(desk.path(""))

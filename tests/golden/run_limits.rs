@@ -17,7 +17,7 @@ const RUN: &str = "-m machine.toml --report r.json --limits axes";
 fn what_is_too_fast_for_an_axis_runs_within_its_limits() {
     let desk = Desk::new();
     desk.write("lines.cnc", LINES);
-    desk.twin("run lines.cnc -m machine.toml").ended(1, "axis-velocity");
+    desk.twin("run lines.cnc -m machine.toml --limits programmed").ended(1, "axis-velocity");
     let expected: f64 =
         [(40.0, 150.0), (60.0, 200.0)].iter().map(|(length, v)| length / v + v / 2000.0).sum();
     let mut errors = Vec::new();
@@ -72,10 +72,10 @@ fn what_says_nothing_within_the_limits_of_the_axes_is_refused() {
     let desk = Desk::new();
     desk.write("lines.cnc", LINES);
     for (options, message) in [
-        ("--profile sigmoid", "--profile is for the controller's own planning"),
-        ("--override 201%", "within the limits of the axes --override is 2 at most"),
+        ("--profile sigmoid", "--profile is for the plan by F and E alone"),
+        ("--override 201%", "within the limits of the axes --override is 200 at most"),
         ("--override-at 1s=0", "the path would be held for ever"),
-        ("--override-at 1s=3", "overrides go from 1% to 200%"),
+        ("--override-at 1s=300", "overrides go from 1 % to 200 %"),
     ] {
         desk.twin(&format!("run lines.cnc {options} {RUN}")).ended(2, message);
     }
@@ -85,10 +85,10 @@ fn what_says_nothing_within_the_limits_of_the_axes_is_refused() {
 fn the_override_changes_while_a_program_runs() {
     let desk = Desk::new();
     desk.write("circles.cnc", CIRCLES);
-    for limits in ["axes", "softmotion"] {
+    for limits in ["axes", "programmed"] {
         let run = format!("run circles.cnc -m machine.toml --limits {limits} --drives none");
         desk.twin(&format!("{run} --report plain.json")).ended(0, "");
-        let changes = "--override-at 0.5s=50%,1s=0 --override-at 2s=1";
+        let changes = "--override-at 0.5s=50%,1s=0 --override-at 2s=100";
         desk.twin(&format!("{run} {changes} --report r.json"))
             .ended(0, "")
             .says("feed hold asked for at 1.000 s");

@@ -50,7 +50,7 @@ fn programs_run_one_after_the_other() {
 fn nothing_moves_if_a_later_program_is_unfit() {
     let desk = desk();
     desk.write("unfit.cnc", "% unfit\nN10 G92 X0 Y0 Z0\nN20 G1 X300 F500 E2000 E-2000\n");
-    let run = "run first.cnc unfit.cnc -m machine.toml --report r.json";
+    let run = "run first.cnc unfit.cnc -m machine.toml --limits programmed --report r.json";
     desk.twin(&format!("{run} --drives none")).ended(1, "axis-velocity");
     assert!(!desk.path("r.json").exists());
     assert_eq!(desk.read("r.2.json")["completed"], false);

@@ -14,7 +14,7 @@ fn switch_points_have_marks_and_a_line() {
     let desk = Desk::new();
     desk.write("switches.cnc", PROGRAM);
     let run = "run switches.cnc -m machine.toml --drives none";
-    desk.twin(&format!("{run} --limits softmotion --record r.rrd")).ended(0, "");
+    desk.twin(&format!("{run} --limits programmed --record r.rrd")).ended(0, "");
     let chunks = chunks(&desk);
     let positions = rerun::Points3D::descriptor_positions();
     let marks: Vec<_> = rows::<Position3D>(&chunks, "trail/switched", &positions);

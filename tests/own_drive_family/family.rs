@@ -58,7 +58,7 @@ impl Device for OwnEntry {
     }
 
     fn abilities(&self) -> Abilities {
-        Abilities { speeds: 1.0..=1e6, counts: 1e9 }
+        Abilities { speeds: 1.0..=1e6, counts: 1e9, start_stop: None }
     }
 
     fn response_us(&self) -> u32 {

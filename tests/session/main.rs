@@ -73,7 +73,7 @@ impl Program {
         let path = folder.path().join("program.cnc");
         std::fs::write(&path, text).unwrap();
         let file = ProgramFile::new(&path, Some(Dialect::Din66025), settings).unwrap();
-        Self { file, limits: Limits::Softmotion, overrides: Vec::new(), _folder: folder }
+        Self { file, limits: Limits::Programmed, overrides: Vec::new(), _folder: folder }
     }
 
     /// Planned within the limits of the axes.

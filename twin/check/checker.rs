@@ -49,6 +49,8 @@ pub(super) struct Checker<'m> {
     with_path: bool,
     /// Where the plan is known piece by piece.
     pieces: Option<PieceCheck<'m>>,
+    /// Findings say which feed would do.
+    feeds: bool,
     /// Additional axes that the machine does not have, each reported once.
     reported_missing: [bool; EXTRA_AXES.len()],
 }
@@ -75,8 +77,14 @@ impl<'m> Checker<'m> {
             jumps: CamJumps::new(machine),
             with_path: matches!(machine.direction, DirectionRule::Path(..)),
             pieces: None,
+            feeds: true,
             reported_missing: [false; EXTRA_AXES.len()],
         }
+    }
+
+    /// Findings without the feeds that would do, which take time to find.
+    pub(super) fn without_feeds(self) -> Self {
+        Self { feeds: false, ..self }
     }
 
     /// Begins where the program before ended, if there is one.
@@ -101,7 +109,8 @@ impl<'m> Checker<'m> {
     fn by_pieces(&mut self) {
         let near = self.start.unwrap_or_else(|| self.machine.middle());
         let sampled = (0..self.machine.axes.len()).map(|index| self.is_sampled(index)).collect();
-        self.pieces = Some(PieceCheck::new(self.machine, near, self.slack, sampled));
+        let pieces = PieceCheck::new(self.machine, near, self.slack, sampled);
+        self.pieces = Some(if self.feeds { pieces } else { pieces.without_feeds() });
     }
 
     /// True for axes that follow something else than the path, or turn at once where it has a corner.
@@ -185,7 +194,7 @@ impl<'m> Checker<'m> {
     /// The same; `by_pieces`: axes that follow the path are checked elsewhere.
     fn setpoint<'s>(&mut self, setpoint: &'s AxisSetpoint, by_pieces: bool) -> &'s AxisSetpoint {
         let elsewhere: Vec<_> = (0..self.machine.axes.len())
-            .map(|index| by_pieces && !self.with_path && !self.is_sampled(index))
+            .map(|index| by_pieces && !self.is_sampled(index))
             .collect();
         self.duration_ns = setpoint.time_ns;
         let last = self.last.replace(*setpoint);
@@ -217,24 +226,24 @@ impl<'m> Checker<'m> {
             {
                 report(finding);
             }
-            if elsewhere.get(index).copied().unwrap_or_default() {
+            // Axes that hold the tip of a tool that turns at once may jump with it; else the pieces say all.
+            let by_pieces = elsewhere.get(index).copied().unwrap_or_default();
+            if by_pieces && !with_path {
                 continue;
             }
 
-            let limit = axis.max_velocity;
-            peak.velocity.include(now.velocity, setpoint.place);
-            if exceeds(now.velocity, faster * limit) {
-                let mut finding = messages::too_fast(axis, setpoint.place, now.velocity);
-                finding.largest_feed_mm_per_s = now.feed_for_velocity(before.as_ref(), limit);
-                report(finding);
-            }
             let slows = axis.slows(now.velocity, now.acceleration, cycle);
             let limit = axis.acceleration_limit(slows);
-            peak.include_acceleration(axis, slows, now.acceleration, setpoint.place);
-            if exceeds(now.acceleration, harder * limit) {
-                let mut finding = messages::too_hard(axis, setpoint.place, now.acceleration, slows);
-                finding.largest_feed_mm_per_s = now.feed_for_acceleration(before.as_ref(), limit);
-                report(finding);
+            if !by_pieces {
+                peak.velocity.include(now.velocity, setpoint.place);
+                if exceeds(now.velocity, faster * axis.max_velocity) {
+                    report(messages::too_fast(axis, setpoint.place, now.velocity));
+                }
+                peak.include_acceleration(axis, slows, now.acceleration, setpoint.place);
+                if exceeds(now.acceleration, harder * limit) {
+                    let found = messages::too_hard(axis, setpoint.place, now.acceleration, slows);
+                    report(found);
+                }
             }
 
             let Some(before) = before else { continue };
@@ -268,6 +277,9 @@ impl<'m> Checker<'m> {
             {
                 peak.include_acceleration(axis, falls, jump, of_cycle);
                 report(messages::too_hard(axis, of_cycle, jump, falls));
+            }
+            if by_pieces {
+                continue;
             }
             let jerk = (now.acceleration - before.acceleration) / cycle;
             // An acceleration that comes up is of this block, one that ends of the one before.

@@ -106,7 +106,7 @@ fn a_program_continues_where_the_one_before_ended() {
         ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
     let bridge = 2.0 * (50.0_f64 / 3000.0).sqrt();
     let first = checked(GANTRY3, "% first\nN10 G92 X90 Y100\nN20 G1 X100 F100 E1000 E-1000\n");
-    for limits in [Limits::Softmotion, Limits::Axes] {
+    for limits in [Limits::Programmed, Limits::Axes] {
         let options = CheckOptions { limits, continues: first.end, ..CheckOptions::default() };
         let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();
         let note = only_note(&outcome.findings);

@@ -116,18 +116,45 @@ pub(super) fn steps_at_edge(axis: &Axis, place: Place, step: f64, limit: f64) ->
     finding
 }
 
+/// Hint where an axis is overloaded with every feed.
+pub(super) fn no_feed_helps() -> String {
+    "no lower feed helps here: accelerate less along the path, plan within the limits of the axes (--limits axes), or move the part"
+        .to_owned()
+}
+
+/// A plan by F and E alone that overloads an axis, as `worst` says.
+pub(super) fn overloaded_as_programmed(worst: &Finding) -> Finding {
+    let factor = worst.value.zip(worst.limit).map_or(0.0, |(value, limit)| (value / limit).abs());
+    let message = format!(
+        "a controller that plans by F and E alone overloads an axis here by a factor of {}: {}",
+        twin_number::significant(factor, 3),
+        worst.message
+    );
+    let hint = "check with --limits programmed, which lists all such lines".to_owned();
+    Finding {
+        rule: Rule::ProgrammedPlan,
+        severity: Severity::Warning,
+        message,
+        hint: Some(hint),
+        largest_feed_mm_per_s: None,
+        ..worst.clone()
+    }
+}
+
 /// A distance (rad or m) between set-point and simulated machine above `limit`.
 pub(super) fn too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Finding {
     let quantity = Quantity { name: "following error", units: ["deg", "mm"] };
     too_much(axis, Rule::FollowingError, &quantity, place, error, limit)
 }
 
-/// Hint on a rapid in RS274 that is too fast, whose velocity is `velocity`, m/s.
-pub(super) fn rapid_hint(velocity: f64) -> String {
-    let velocity = twin_number::significant(velocity * 1e3, 6);
-    format!(
-        "G0 goes as fast as `rapid_velocity_mm_per_s` in [rs274] of the machine file says: {velocity} mm/s"
-    )
+/// Hint on a rapid in RS274 that is too fast, with the `cap` of the machine file, m/s, infinite if it has none.
+pub(super) fn rapid_hint(cap: f64) -> String {
+    let now = if cap.is_finite() {
+        format!(" (it is {} mm/s)", twin_number::significant(cap * 1e3, 6))
+    } else {
+        String::new()
+    };
+    format!("lower `rapid_velocity_mm_per_s` in [rs274] of the machine file{now}")
 }
 
 /// A distance (rad or m) between set-point and drive above `limit`, as its rehearsal foresees it.

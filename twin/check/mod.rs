@@ -22,6 +22,7 @@ mod options;
 mod pieces;
 #[cfg(test)]
 mod pieces_tests;
+mod programmed_plan;
 mod rehearsal;
 mod run_findings;
 #[cfg(test)]
@@ -131,11 +132,19 @@ pub fn check_watched(
     progress: &mut dyn FnMut(Progress),
     watch: &mut dyn FnMut(&BlockClearance),
 ) -> Result<Outcome, CheckFailure> {
-    std::thread::scope(|scope| {
+    let CheckOptions { limits, acknowledge, continues, .. } = options;
+    let mut outcome = std::thread::scope(|scope| {
         let following = options.drives.then(|| FollowingBeside::start(scope, machine));
         let following = following.transpose()?.flatten();
         checked(machine, program, options, following, (progress, watch))
-    })
+    })?;
+    let plans = limits == Limits::Axes && program.dialect() != Dialect::Job;
+    if plans && !finding::unfit(&outcome.findings) {
+        let rules = Acknowledgement::for_check(machine, acknowledge);
+        outcome.findings.extend(programmed_plan::warning(machine, program, rules, continues)?);
+        finding::sort(&mut outcome.findings);
+    }
+    Ok(outcome)
 }
 
 /// Progress of a check: how far it has come, and the clearances to obstacles.
@@ -150,7 +159,7 @@ fn checked(
 ) -> Result<Outcome, CheckFailure> {
     let CheckOptions { limits, physics, scenario, acknowledge, drives: _, continues } = options;
     let slack = match limits {
-        Limits::Softmotion => CONTROLLER,
+        Limits::Programmed => CONTROLLER,
         Limits::Axes => WITHIN_AXES,
     };
     let rapids =

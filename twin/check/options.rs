@@ -50,7 +50,7 @@ impl Default for CheckOptions {
     /// What a run needs to know before it moves anything.
     fn default() -> Self {
         Self {
-            limits: Limits::Softmotion,
+            limits: Limits::Programmed,
             physics: false,
             scenario: Scenario::default(),
             acknowledge: Acknowledge::Auto,

@@ -61,6 +61,8 @@ pub(super) struct PieceCheck<'m> {
     sampled: Vec<bool>,
     /// Steps of the velocity that an axis may make, m/s or rad/s.
     steps: Vec<f64>,
+    /// Findings say which feed would do.
+    feeds: bool,
 }
 
 /// An element under way, with the findings that a lower feed may cure: which, is known at its end.
@@ -116,7 +118,13 @@ impl<'m> PieceCheck<'m> {
             slack,
             sampled,
             steps: machine.axes.iter().map(|axis| axis.velocity_step(cycle)).collect(),
+            feeds: true,
         }
+    }
+
+    /// Findings without the feeds that would do.
+    pub(super) fn without_feeds(self) -> Self {
+        Self { feeds: false, ..self }
     }
 
     /// Takes the next piece: its peaks and findings. `rapids`: how fast rapids are, m/s, where the machine file says it.
@@ -127,6 +135,10 @@ impl<'m> PieceCheck<'m> {
         findings: &mut Findings,
         rapids: Option<f64>,
     ) {
+        // Rounding makes pieces without a duration, whose acceleration says nothing.
+        if planned.piece.duration < SAME_TIME {
+            return;
+        }
         let place = planned.element.place();
         let goes_on = self.last.as_ref().is_some_and(|last| last.goes_on(planned));
         if !goes_on {
@@ -204,8 +216,11 @@ impl<'m> PieceCheck<'m> {
     fn close(&mut self, findings: &mut Findings, rapids: Option<f64>) {
         let Some(mut open) = self.open.take() else { return };
         for mut wrong in std::mem::take(&mut open.wrong) {
-            if findings.has_room(wrong.finding.severity) {
+            if self.feeds && findings.has_room(wrong.finding.severity) {
                 wrong.finding.largest_feed_mm_per_s = self.largest_feed(&open, &wrong);
+                if wrong.finding.largest_feed_mm_per_s.is_none() {
+                    wrong.finding.hint = Some(messages::no_feed_helps());
+                }
             }
             if open.element.rapid()
                 && let Some(velocity) = rapids
@@ -411,7 +426,7 @@ impl<'m> PieceCheck<'m> {
         let examiner = Examiner::new(&self.path, seconds(self.machine.cycle_ns));
         let mut largest = 0.0_f64;
         let mut near = open.near;
-        for piece in &pieces {
+        for piece in pieces.iter().filter(|piece| piece.duration >= SAME_TIME) {
             let found = examiner.examine(element, piece, &near, &floors).ok()?;
             near = found.ends[1].position;
             let found = found.axes.get(axis)?;

@@ -71,6 +71,26 @@ fn a_corner_within_the_tolerance_steps() {
     );
 }
 
+/// 300 mm/s are just reached over 5 mm with 1000 mm/s², but for rounding; what is left of the ramp has no acceleration.
+#[test]
+fn ramps_without_a_duration_have_no_acceleration() {
+    let program =
+        "% x\nN10 G92 X100 Y0 Z0\nN20 G1 X105 F300 E1000 E-400\nN30 G1 X110 F300 E9000 E-400\n";
+    let outcome = checked(GANTRY3, program);
+    assert_eq!(outcome.findings, []);
+    assert!((outcome.peaks[0].acceleration.value - 1.0).abs() < 1e-6, "{:?}", outcome.peaks[0]);
+}
+
+/// Three quarters of a circle about the base turn A by 270 degrees from where it starts, B stays.
+#[test]
+fn an_arc_may_turn_an_axis_by_more_than_half_a_turn() {
+    let program = "% x\nN10 G92 X200 Y0 Z0\nN20 G3 X0 Y-200 I-200 J0 F200 E1000 E-1000\n";
+    let [low, high] = checked(SCARA2, program).peaks[0].position.unwrap().map(f64::to_degrees);
+    let (inner, outer, r) = (250.0_f64, 200.0_f64, 200.0_f64);
+    let start = -((inner * inner + r * r - outer * outer) / (2.0 * inner * r)).acos().to_degrees();
+    assert!((low - start).abs() < 1e-6 && (high - start - 270.0).abs() < 1e-6, "{low} {high}");
+}
+
 /// An arc that goes on from a line steps in acceleration only, by F²/r.
 #[test]
 fn from_a_line_into_an_arc() {

@@ -16,8 +16,17 @@ use twin_path::Place;
 /// How many findings a person is shown.
 const SHOWN_FINDINGS: usize = 20;
 
-/// Shows findings on standard error with their program lines, the worst first, and findings of one cause once.
-pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
+/// Shows findings on standard error with their program lines, the worst first, and findings of one cause once. Notes take one
+/// line together unless `notes` asks for each.
+pub(super) fn findings(program: &ProgramFile, findings: &[Finding], notes: bool) {
+    let is_note = |finding: &Finding| finding.severity == Severity::Note;
+    // Notes come last.
+    let weighty = findings.partition_point(|finding| !is_note(finding));
+    let (findings, in_brief) = if notes || !findings.iter().skip(weighty).all(is_note) {
+        (findings, &[][..])
+    } else {
+        findings.split_at(weighty)
+    };
     let causes = causes::of(findings);
     let shown = causes.get(..SHOWN_FINDINGS).unwrap_or(&causes);
     let lines = lines_of(program, shown.iter().map(|cause| cause.first));
@@ -49,6 +58,29 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
         let rest = findings.len() - listed;
         writeln!(io::stderr(), "… and {rest} more").unwrap_or_default();
     }
+    if let Some(line) = brief(in_brief) {
+        writeln!(io::stderr(), "{line}").unwrap_or_default();
+    }
+}
+
+/// Notes in one line: the message of a single one, or how many each rule has and the first line.
+fn brief(notes: &[Finding]) -> Option<String> {
+    if let [note] = notes {
+        return Some(format!("note: line {}: {}", note.line, note.message));
+    }
+    let mut rules: BTreeMap<&str, (usize, u32)> = BTreeMap::new();
+    for note in notes {
+        let (count, first) = rules.entry(note.rule.name()).or_insert((0, note.line));
+        (*count, *first) = (*count + 1, (*first).min(note.line));
+    }
+    let rules: Vec<_> = rules
+        .into_iter()
+        .map(|(rule, (count, first))| match count {
+            1 => format!("{rule} (line {first})"),
+            _ => format!("{rule} ({count}, from line {first} on)"),
+        })
+        .collect();
+    (!rules.is_empty()).then(|| format!("notes: {}; `twin check -v` shows them", rules.join(", ")))
 }
 
 /// Colours only on a terminal.
@@ -217,7 +249,10 @@ impl Diagnostic for ShownFinding<'_> {
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let (_, words) = self.source.as_ref()?;
-        let label = |word: &Range<usize>| LabeledSpan::new_with_span(None, word.clone());
+        // The words may be those of other axes, which it moves with.
+        let mut axis = self.finding.axis.as_ref().map(|axis| format!("axis {axis}"));
+        let label =
+            move |word: &Range<usize>| LabeledSpan::new_with_span(axis.take(), word.clone());
         Some(Box::new(words.iter().map(label)))
     }
 

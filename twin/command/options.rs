@@ -1,6 +1,7 @@
 //! Command-line options that several commands share.
 
 use super::Failure;
+use crate::limit::Limits;
 use crate::m_function::Acknowledge;
 use crate::program::inputs::{InputAt, InputChange, Workpiece};
 use crate::program::settings;
@@ -34,6 +35,34 @@ impl MachineOption {
 
     pub(super) fn load(&self) -> Result<Machine, Failure> {
         Ok(Machine::load(&self.machine)?)
+    }
+}
+
+/// Plan of the velocity along the path.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct LimitsOption {
+    /// Plan of the velocity: within the limits of every axis, or by F and E alone as SoftMotion's own plan, whose overloads are
+    /// errors [default: `plan` of [controller] in the machine file, which is axes unless it says otherwise; programmed with
+    /// --profile, --look-ahead, --at and --by-position]
+    #[arg(long, value_enum)]
+    limits: Option<Limits>,
+}
+
+impl LimitsOption {
+    /// Plan of `program` on `machine`.
+    pub(super) fn of(self, machine: &Machine, program: &ProgramFile) -> Result<Limits, Failure> {
+        let given = self.limits;
+        let limits = given.unwrap_or(if machine.plans_as_programmed {
+            Limits::Programmed
+        } else {
+            Limits::Axes
+        });
+        match within_axes(program) {
+            _ if limits == Limits::Programmed => Ok(limits),
+            Ok(()) => Ok(limits),
+            Err(_) if given.is_none() => Ok(Limits::Programmed),
+            Err(message) => Err(Failure::Usage(message.to_owned())),
+        }
     }
 }
 
@@ -142,8 +171,8 @@ pub(super) struct ReadOptions {
     #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_WINDOW)]
     look_ahead: NonZeroUsize,
 
-    /// Factor on all programmed velocities, like 0.5 or 50%; 0.01 at least (dOverride)
-    #[arg(long = "override", value_name = "FACTOR", default_value = "1", hide_default_value = true, value_parser = factor)]
+    /// Percent of all programmed velocities, 1 at least (dOverride)
+    #[arg(long = "override", value_name = "PERCENT", default_value = "100", hide_default_value = true, value_parser = factor)]
     factor: Override,
 
     /// How the velocity goes from one value to another (iVelMode)
@@ -159,7 +188,7 @@ pub(super) struct ReadOptions {
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(super) struct InputOptions {
     /// Change an input of the interpolator at a time, s; may be given several times. INPUT=VALUE is one of
-    /// override=FACTOR, slow-stop, emergency-stop, wait-at-next-stop, single-step and abort, each =on or =off
+    /// override=PERCENT, slow-stop, emergency-stop, wait-at-next-stop, single-step and abort, each =on or =off
     #[arg(long = "at", value_name = "TIME:INPUT=VALUE")]
     pub(super) changes: Vec<InputAt>,
 
@@ -249,7 +278,8 @@ enum Profile {
 
 fn factor(text: &str) -> Result<Override, String> {
     let factor = override_factor(text).ok_or_else(|| format!("`{text}` is not a number"))?;
-    Override::new(factor).map_err(|error| error.to_string())
+    Override::new(factor)
+        .map_err(|error| format!("{error}; give percent, at least 1, like 50 for half the feed"))
 }
 
 fn jerk(text: &str) -> Result<f64, String> {
@@ -385,22 +415,29 @@ pub(super) fn expect_path(program: &ProgramFile) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Plans within the limits of the axes have no profile, and no override above the largest.
+/// Refuses inputs of the controller for a plan within the limits of the axes.
 pub(super) fn plans_without_inputs(program: &ProgramFile) -> Result<(), Failure> {
     expect_path(program)?;
+    within_axes(program).map_err(|message| Failure::Usage(message.to_owned()))
+}
+
+/// Why a program cannot be planned within the limits of the axes: such plans have no profile, and no override above the
+/// largest.
+fn within_axes(program: &ProgramFile) -> Result<(), &'static str> {
     let Inputs { override_factor, mode, .. } = program.settings().inputs;
-    let message = if mode != VelocityMode::default() {
-        "--profile is for the controller's own planning (--limits softmotion), not for that within the limits of the axes"
+    Err(if mode != VelocityMode::default() {
+        "--profile is for the plan by F and E alone (--limits programmed)"
     } else if override_factor.factor() > MOST_OVERRIDE {
-        "within the limits of the axes --override is 2 at most"
+        "within the limits of the axes --override is 200 at most"
     } else if program.settings().look_ahead != DEFAULT_WINDOW {
-        "--look-ahead is for the controller's own planning (--limits softmotion), not for that within the limits of the axes"
+        "--look-ahead is for the plan by F and E alone (--limits programmed)"
     } else if !program.settings().changes.is_empty() || program.settings().workpiece.is_some() {
-        "--at and --by-position are for the controller's own planning (--limits softmotion), not for that within the limits of the axes"
+        "--at and --by-position are for the plan by F and E alone (--limits programmed)"
+    } else if program.dialect() == Dialect::Job {
+        "a job has no path to plan: --limits is for programs"
     } else {
         return Ok(());
-    };
-    Err(Failure::Usage(message.to_owned()))
+    })
 }
 
 /// The failure to read a program.

@@ -227,6 +227,8 @@ fn arms_rods_and_belts_are_as_near_as_their_rounds_allow() {
     let program = "G91\nG1 X12 Y6 F3000\nG2 X8 Y8 I8 J0 F2400\nG1 X-20 Y-14 F3000\nM2\n";
     for text in shipped {
         let mut machine = machine(text);
+        machine.conditions.rs274.acceleration = 1.0;
+        machine.conditions.rs274.deceleration = 1.0;
         let ideal = checked_on(&machine, program);
         let name = &machine.name.clone();
         assert!(!unfit(&ideal.findings), "{name}: {:#?}", ideal.findings);

@@ -37,7 +37,7 @@ fn both(machine: &Machine, text: &str, limits: Limits) -> ([f64; 2], LimitSummar
         ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
     let options = CheckOptions { limits, ..CheckOptions::default() };
     let outcome = check(machine, &program, options, &mut |_| {}).unwrap();
-    let expected = [Rule::Gap, Rule::FeedReduced];
+    let expected = [Rule::Gap, Rule::FeedReduced, Rule::ProgrammedPlan];
     let found = &outcome.findings;
     assert!(found.iter().all(|one| expected.contains(&one.rule)), "{found:#?}");
     let (summary, findings) = match limits {
@@ -45,7 +45,7 @@ fn both(machine: &Machine, text: &str, limits: Limits) -> ([f64; 2], LimitSummar
             let profile = Profile::new(&program, machine, LimitRules::default()).unwrap();
             summary_of(machine, profile)
         }
-        Limits::Softmotion => {
+        Limits::Programmed => {
             summary_of(machine, ControllerProfile::new(&program, machine).unwrap())
         }
     };
@@ -59,7 +59,7 @@ fn limit_counts_the_time_of_gaps_as_check_does() {
     let machine = Machine::parse(Path::new("gantry3.toml"), GANTRY3).unwrap();
     let text =
         "% example\nN10 G92 X100 Y100\nN20 G1 X100 Y100 F100\nN30 G92 X50 Y100\nN40 G1 X60\n";
-    for limits in [Limits::Axes, Limits::Softmotion] {
+    for limits in [Limits::Axes, Limits::Programmed] {
         let ([checked, limited], summary, findings) = both(&machine, text, limits);
         assert!((checked - limited).abs() < 1e-9, "{limits:?}: {checked} and {limited}");
         assert!(limited > 2.0 * (50.0_f64 / 3000.0).sqrt() + 0.1, "{limits:?}: {limited}");

@@ -13,14 +13,14 @@ use twin_path::Place;
 /// How many lines that lose time are named.
 const NAMED_LINES: usize = 10;
 
-/// Whose limits a program is planned with.
+/// How the velocity along a path is planned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Limits {
-    /// Those of the axes.
+    /// Within the limits of every axis.
     #[default]
     Axes,
-    /// The controller's own, which know no axes; for comparison.
-    Softmotion,
+    /// By F and E alone, as SoftMotion's own plan.
+    Programmed,
 }
 
 impl Limits {
@@ -28,7 +28,7 @@ impl Limits {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Axes => "axes",
-            Self::Softmotion => "softmotion",
+            Self::Programmed => "programmed",
         }
     }
 }

@@ -185,6 +185,12 @@ impl JointEntry {
     }
 }
 
+/// Speed with which the motor of a `drive` starts at once, units/s, if the file says it.
+fn starts_at(drive: &AxisDrive, devices: &[Seen]) -> Option<f64> {
+    let seen = devices.get(drive.device).filter(|seen| seen.starts)?;
+    Some(seen.abilities.as_ref()?.start_stop? / drive.ratio.per_unit().abs())
+}
+
 /// Reads one `[[axes]]` table. `devices` are the `[[drives]]`.
 pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry> {
     let name = section.required_text("name");
@@ -246,6 +252,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
         );
         return None;
     }
+    let starts_at = drive.as_ref().and_then(|drive| starts_at(drive, devices));
     let increments = drive.as_ref().map(|drive| {
         let most = abilities(drive).map_or(f64::INFINITY, |able| *able.speeds.end());
         (drive.ratio.per_unit(), most)
@@ -277,7 +284,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
             max_acceleration: max_acceleration? * scale,
             max_deceleration: max_deceleration.or(max_acceleration)? * scale,
             max_jerk: max_jerk.map(|jerk| jerk * scale),
-            max_velocity_step: max_step.map(|step| step * scale),
+            max_velocity_step: max_step.or(starts_at).map(|step| step * scale),
             headroom,
             max_following_error: max_following_error.map(|error| error * scale),
             simulated,

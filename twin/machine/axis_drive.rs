@@ -137,7 +137,7 @@ pub(super) fn check(
 ) {
     let per_unit = ratio.per_unit().abs();
     let speed = (max_velocity * per_unit).min(step_frequency_hz.unwrap_or(f64::INFINITY));
-    let Abilities { speeds, counts } = able;
+    let Abilities { speeds, counts, .. } = able;
     if !speeds.contains(&speed) {
         let (low, high) = (speeds.start(), speeds.end());
         let mut message = format!(

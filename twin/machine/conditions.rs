@@ -1,20 +1,16 @@
 //! `[program]` and `[rs274]`: initial conditions of programs.
 
+use crate::axis_pace::{ACCELERATION, Along, AxisPace, RAPID_VELOCITY};
 use crate::section::Section;
 use crate::text::Text;
 use std::path::Path;
+use std::sync::Arc;
 use twin_gcode::rs274::{self, LengthUnit, Position, ToolTable, ToolTableError};
 use twin_path::ExtraPosition;
 use twin_path::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
 
 /// Turns of the path up to this angle are passed without a stop unless the machine file says otherwise, rad.
 const ANGLE_TOLERANCE: f64 = 2.0 * std::f64::consts::PI / 180.0;
-
-/// Velocity of rapids in RS274 unless the machine file says otherwise, m/s.
-const RAPID_VELOCITY: f64 = 0.1;
-
-/// Acceleration along the path in RS274 unless the machine file says otherwise, m/s².
-const ACCELERATION: f64 = 1.0;
 
 /// Gouge tolerance, m: programs in micrometres round by as much.
 const GOUGE_TOLERANCE: f64 = 1e-6;
@@ -23,7 +19,7 @@ const GOUGE_TOLERANCE: f64 = 1e-6;
 const SYSTEMS: [&str; 9] = ["g54", "g55", "g56", "g57", "g58", "g59", "g59_1", "g59_2", "g59_3"];
 
 /// Initial conditions of programs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct ProgramConditions {
     /// Default start of programs that do not give one (G92), work frame, m.
     pub start: [f64; 3],
@@ -37,6 +33,8 @@ pub struct ProgramConditions {
     pub preparation: PreparationInputs,
     /// Initial conditions of an RS274 program, in the work frame; its start is that above.
     pub rs274: rs274::DecoderOptions,
+    /// Limits of the axes for what an RS274 program leaves open; none without a machine.
+    pub pace: Option<(Arc<AxisPace>, Along)>,
 }
 
 /// Inputs of the manual's preparation blocks (6.2.3 to 6.2.8); 0 or none by default, except the gouge tolerance.
@@ -107,6 +105,7 @@ impl Default for ProgramConditions {
             stops: true,
             preparation: PreparationInputs::default(),
             rs274,
+            pace: None,
         }
     }
 }
@@ -133,7 +132,7 @@ pub(super) fn read(root: &Section<'_>, file: &Path, has_drives: bool) -> Program
         ..read_rs274(&root.section("rs274"), file, has_drives, &defaults.rs274)
     };
     let preparation = read_preparation(&root.section("preparation"));
-    ProgramConditions { start, start_additional, angle_tolerance, stops: true, preparation, rs274 }
+    ProgramConditions { start, start_additional, angle_tolerance, preparation, rs274, ..defaults }
 }
 
 fn read_preparation(section: &Section<'_>) -> PreparationInputs {
@@ -174,7 +173,8 @@ fn read_rs274(
         Position { linear: linear.map(|value| value * 1e-3), ..Position::default() }
     };
     let acceleration = metres("acceleration_mm_per_s2", 1e-3..=1e8);
-    let acceleration = acceleration.unwrap_or(defaults.acceleration);
+    // The axes limit them anyway.
+    let acceleration = acceleration.unwrap_or(f64::INFINITY);
     let offsets = section.section("work_offsets_mm");
     let work_offsets = SYSTEMS.map(|system| place(&offsets, system));
     offsets.finish();
@@ -195,8 +195,7 @@ fn read_rs274(
     let probe_settle_ns = (settle * 1e9) as i64;
     let options = rs274::DecoderOptions {
         units,
-        rapid_velocity: metres("rapid_velocity_mm_per_s", 1e-3..=1e6)
-            .unwrap_or(defaults.rapid_velocity),
+        rapid_velocity: metres("rapid_velocity_mm_per_s", 1e-3..=1e6).unwrap_or(f64::INFINITY),
         acceleration,
         deceleration: metres("deceleration_mm_per_s2", 1e-3..=1e8).unwrap_or(acceleration),
         work_offsets,

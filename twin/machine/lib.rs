@@ -22,6 +22,7 @@ mod axis;
 pub mod axis_couplings;
 mod axis_drive;
 pub mod axis_kind;
+mod axis_pace;
 pub mod cam_file;
 mod conditions;
 mod counting;
@@ -54,6 +55,7 @@ mod tool;
 use crate::section::FileKind;
 pub use axis::Axis;
 pub use axis_drive::{AxisDrive, Switches};
+pub use axis_pace::{Along, AxisPace};
 pub use conditions::{PreparationInputs, ProgramConditions, tool_table_problem};
 pub use counting::{Counting, IncrementRatio};
 pub use couplings::{CamAxis, CamSelection, CoupledBy, Coupling, read_cam, read_ratio};
@@ -129,6 +131,8 @@ pub struct Machine {
     pub gravity: Vector3<f64>,
     /// Initial conditions of programs.
     pub conditions: ProgramConditions,
+    /// Programs are planned by F and E alone unless a command says otherwise (`[controller]`, `plan`).
+    pub plans_as_programmed: bool,
     /// Limits of the path in a plan.
     pub path_limits: PathLimits,
     /// Axes that follow others, masters before their slaves.
@@ -180,6 +184,7 @@ impl Machine {
     fn completed(self, text: &str) -> Self {
         let mut machine = Self { dimensions: dimensions(text), ..self };
         machine.conditions.rs274.surroundings = around::surroundings(&machine);
+        machine.conditions.pace = Some((Arc::new(AxisPace::of(&machine)), Along::Weakest));
         machine
     }
 
@@ -297,6 +302,9 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
 
     let conditions = conditions::read(root, path, !seen.is_empty());
     let path_limits = limits::read_path(root, &conditions.preparation);
+    let controller = root.section("controller");
+    let plan = controller.choice("plan", &[("axes", false), ("programmed", true)]);
+    controller.check_unknown();
     let m_functions = m_functions::read(root, !seen.is_empty());
 
     let environment = root.section("environment");
@@ -330,6 +338,7 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
         drives: devices.into_iter().collect::<Option<_>>()?,
         gravity: Vector3::from(gravity),
         conditions,
+        plans_as_programmed: plan.unwrap_or(false),
         path_limits,
         m_functions,
         tappet_outputs,

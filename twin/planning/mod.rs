@@ -51,7 +51,7 @@ impl<'m> Planning<'m> {
             return Ok(Self::over(Box::new(JobSetpoints::open(machine, program)?)));
         }
         Ok(Self::over(match limits {
-            Limits::Softmotion => Box::new(program.open(machine, rules)?),
+            Limits::Programmed => Box::new(program.open(machine, rules)?),
             Limits::Axes => Box::new(WithinAxes::for_check(machine, program, rules)?),
         }))
     }
@@ -76,7 +76,7 @@ impl<'m> Planning<'m> {
     where
         'm: 'scope,
     {
-        if limits == Limits::Softmotion || program.dialect() == Dialect::Job {
+        if limits == Limits::Programmed || program.dialect() == Dialect::Job {
             return Self::new(machine, program, limits, rules);
         }
         let plan = if paced {

@@ -62,14 +62,14 @@ pub struct Steps {
 /// Longest time of a change, s: a day.
 const LATEST: f64 = 86_400.0;
 
-/// Largest override that may be asked for.
-const MOST_OVERRIDE: f64 = 1000.0;
+/// Largest override that may be asked for, percent.
+const MOST_OVERRIDE: f64 = 1e5;
 
 /// Error of an input change (`--at TIME:INPUT=VALUE`).
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InputAtError {
     /// Its form.
-    #[error("expected TIME:INPUT=VALUE, like 1.5:override=0.5 or 2:slow-stop=on")]
+    #[error("expected TIME:INPUT=VALUE, like 1.5:override=50 or 2:slow-stop=on")]
     Form,
     /// One of its numbers.
     #[error("{0}")]
@@ -90,7 +90,8 @@ impl FromStr for InputAt {
         };
         let change = match (input, switch) {
             ("override", None) => {
-                InputChange::Override(within(value, -MOST_OVERRIDE..=MOST_OVERRIDE)?)
+                let percent = within(value, -MOST_OVERRIDE..=MOST_OVERRIDE)?;
+                InputChange::Override(percent / 100.0)
             }
             ("slow-stop", Some(on)) => InputChange::SlowStop(on),
             ("emergency-stop", Some(on)) => InputChange::EmergencyStop(on),
@@ -136,7 +137,7 @@ mod tests {
     #[test]
     fn changes_are_read() {
         for (text, time_ns, change) in [
-            ("1.5:override=0.5", 1_500_000_000, InputChange::Override(0.5)),
+            ("1.5:override=50", 1_500_000_000, InputChange::Override(0.5)),
             ("2:single-step=on", 2_000_000_000, InputChange::SingleStep(true)),
             ("0:wait-at-next-stop=off", 0, InputChange::WaitAtNextStop(false)),
         ] {

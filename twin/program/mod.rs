@@ -28,7 +28,7 @@ use std::time::SystemTime;
 use stream::{Motion, Stage};
 use twin_gcode::{din66025, rs274};
 use twin_machine::text::{self, Text};
-use twin_machine::{Machine, ProgramConditions};
+use twin_machine::{Along, Machine, ProgramConditions};
 use twin_path::Place;
 use twin_path::prepare::{Incompatible, Notices, Preparation, Sections};
 use twin_path::{Marks, PathElement};
@@ -210,6 +210,9 @@ impl ProgramFile {
         let notices = Notices::default();
         let mut conditions = conditions.clone();
         conditions.preparation.circular = None;
+        if let Some((_, along)) = &mut conditions.pace {
+            *along = Along::Strongest;
+        }
         let (prepared, ledger) = self.prepare(&conditions, &notices)?;
         Ok((prepared, Findings::new(notices, ledger)))
     }
@@ -299,6 +302,7 @@ impl ProgramFile {
             ledger: Rc::clone(&ledger),
             halted: false,
             unforeseen: Marks::default(),
+            pace: conditions.pace.clone().filter(|_| self.dialect == Dialect::Rs274),
         };
         if let Some(made) = &self.made {
             let made = decoded(Decoder::Made { elements: Arc::clone(made), next: 0 });

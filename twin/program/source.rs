@@ -13,6 +13,7 @@ use twin_gcode::decode;
 use twin_gcode::decode::{Diagnostic, Failure, Item, TextError};
 use twin_gcode::{din66025, rs274};
 use twin_machine::text::Text;
+use twin_machine::{Along, AxisPace};
 use twin_path::Place;
 use twin_path::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
 use twin_path::{ElementKind, Marks, OperationError, PathElement, ProbeOutcome, ProbeTrip};
@@ -218,6 +219,8 @@ pub(crate) struct Decoded {
     pub(super) halted: bool,
     /// Marks of what has not been prepared for, because the file cannot be looked through first.
     pub(super) unforeseen: Marks,
+    /// Limits of the axes, where the language leaves velocities or accelerations open.
+    pub(super) pace: Option<(Arc<AxisPace>, Along)>,
 }
 
 /// No single move takes longer than this, s: a day. What does is a slip of the pen (`J999999999`, `F0.0000001`,
@@ -287,7 +290,7 @@ impl Iterator for Decoded {
                 self.ledger.borrow_mut().facts = self.decoder.facts();
                 return None;
             };
-            let element = match piece {
+            let mut element = match piece {
                 Piece::Element(element) => element,
                 Piece::Wrong(finding) => {
                     self.ledger.borrow_mut().report(finding);
@@ -297,6 +300,9 @@ impl Iterator for Decoded {
             };
             if self.halted {
                 continue;
+            }
+            if let Some((pace, along)) = &self.pace {
+                pace.limit(&mut element, *along);
             }
             let mut ledger = self.ledger.borrow_mut();
             if let Some(finding) = endless(&element) {

@@ -18,7 +18,7 @@ pub struct OverrideAt {
 /// Errors of overrides at a time.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is not a time with an override, like 2s=50% or 500ms=0; overrides go from 1% to 200%, and 0 is a feed hold"
+    "`{0}` is not a time with an override, like 2s=50 or 500ms=0; overrides go from 1 % to 200 %, and 0 is a feed hold"
 )]
 pub struct OverrideAtError(String);
 
@@ -39,12 +39,10 @@ impl FromStr for OverrideAt {
     }
 }
 
-/// A factor, or a number of per cent with its sign.
+/// The factor of an override in percent, with or without its sign.
 pub fn override_factor(text: &str) -> Option<f64> {
-    match text.strip_suffix('%') {
-        Some(percent) => percent.trim_end().parse::<f64>().ok().map(|percent| percent / 100.0),
-        None => text.parse().ok(),
-    }
+    let percent = text.strip_suffix('%').unwrap_or(text);
+    percent.trim_end().parse::<f64>().ok().map(|percent| percent / 100.0)
 }
 
 /// A change of the override during a run.
@@ -108,16 +106,16 @@ mod tests {
     #[test]
     fn overrides_at_times() {
         for (text, time_ns, factor) in [
-            ("2s=0.5", 2_000_000_000, 0.5),
+            ("2s=50", 2_000_000_000, 0.5),
             ("2s=50%", 2_000_000_000, 0.5),
             ("0s = 200 %", 0, 2.0),
             ("1500ms=0", 1_500_000_000, 0.0),
-            ("1m 1s=1", 61_000_000_000, 1.0),
+            ("1m 1s=100", 61_000_000_000, 1.0),
         ] {
             assert_eq!(text.parse(), Ok(OverrideAt { time_ns, factor }), "{text}");
         }
         for text in
-            ["", "2s", "2=1", "2s=", "2s=x", "2s=NaN", "2s=-1", "2s=0.001", "2s=50", "2s=201%"]
+            ["", "2s", "2=100", "2s=", "2s=x", "2s=NaN", "2s=-1", "2s=0.5", "2s=201", "2s=201%"]
         {
             assert_eq!(text.parse::<OverrideAt>(), Err(OverrideAtError(text.to_owned())));
         }

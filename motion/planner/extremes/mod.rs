@@ -35,6 +35,8 @@ const TOLERANCE: f64 = 1e-6;
 const WIDE: f64 = 1e4;
 /// Intervals of a piece about whose axes nothing is known but their derivatives.
 const SAMPLED: u32 = 16;
+/// Turns of rotary axes are followed in at most so many steps.
+const TURN_STEPS: f64 = 16.0;
 
 /// A value and when it is taken, s from the start of the piece.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -211,14 +213,16 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
     ) -> Result<[Node; 2], Obstacle> {
         let smallest = 1e-3 * self.cycle;
         let first = self.node(along, from, near)?;
-        let last = self.node(along, to, &first.position)?;
+        let last = self.node(along, to, &self.turns(along, &first, to))?;
         for node in [&first, &last] {
             found.take(node, along.floors);
         }
         let mut left = vec![[first, last]];
         while let Some([from, to]) = left.pop() {
             let width = to.time - from.time;
-            let middle = self.node(along, from.time.midpoint(to.time), &from.position)?;
+            let pairs = from.position.iter().zip(to.position.iter());
+            let near = AxisVector::from_values(pairs.map(|(from, to)| from.midpoint(*to)));
+            let middle = self.node(along, from.time.midpoint(to.time), &near)?;
             found.take(&middle, along.floors);
             let settled = if let Some((radius, change)) = &middle.disc {
                 let between = Between { from: &from, to: &to, radius: *radius, change };
@@ -241,6 +245,22 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
             left.push([from, middle]);
         }
         Ok([first, last])
+    }
+
+    /// Position near that at the time `to`, by the turn of rotary axes: an arc may take them round by more than half a turn.
+    fn turns(&self, along: &Along<'_>, first: &Node, to: f64) -> AxisVector {
+        let width = to - first.time;
+        let steps = first.disc.map_or(f64::INFINITY, |(radius, _)| width / radius);
+        let mut near = first.position;
+        let mut part = 1.0;
+        while part < steps.min(TURN_STEPS) {
+            let time = first.time + width * part / steps.min(TURN_STEPS);
+            if let Ok(node) = self.node(along, time, &near) {
+                near = node.position;
+            }
+            part += 1.0;
+        }
+        near
     }
 
     fn node(&self, along: &Along<'_>, time: f64, near: &AxisVector) -> Result<Node, Obstacle> {

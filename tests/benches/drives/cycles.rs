@@ -100,7 +100,7 @@ fn run() -> Punctuality {
         program: &program,
         twin,
         hardware: Some(hardware),
-        limits: Limits::Softmotion,
+        limits: Limits::Programmed,
         acknowledge: Acknowledge::Auto,
         overrides: &[],
         realtime: true,

@@ -3,15 +3,14 @@
 mod clearance;
 
 use super::options::{
-    AcknowledgeOption, InputOptions, MachineOption, ReadOptions, SimulationOptions,
-    plans_without_inputs, unreadable,
+    AcknowledgeOption, InputOptions, LimitsOption, MachineOption, ReadOptions, SimulationOptions,
+    unreadable,
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, following, show, switch_points, tappets};
 use crate::check;
 use crate::check::{CheckOptions, Outcome};
 use crate::finding;
-use crate::limit::Limits;
 use crate::program::{Dialect, ProgramFile};
 use crate::report::CheckReport;
 use clearance::ClearanceFiles;
@@ -24,6 +23,7 @@ use twin_kinematics::AxisVector;
 use twin_machine::{Machine, Scenario};
 use twin_number::counted;
 use twin_number::seconds;
+use twin_path::Place;
 
 /// Check programs against a machine: syntax, reach, axis limits, velocities and accelerations, per program line
 ///
@@ -62,16 +62,18 @@ pub(super) struct Arguments {
     #[command(flatten)]
     m_functions: AcknowledgeOption,
 
-    /// Whose limits the path is planned with: the controller's own, or those of the axes, as `twin limit` plans it; then what
-    /// is slower than programmed is noted
-    #[arg(long, value_enum, default_value = "softmotion")]
-    limits: Limits,
+    #[command(flatten)]
+    limits: LimitsOption,
 
     /// Also run each program on the simulated machine and report following errors
     #[arg(long)]
     physics: bool,
 
-    /// Also print what one lost answer of a real drive would cost
+    /// Predict how well the drives of the machine file follow, in simulated time; `twin run` always does
+    #[arg(long, value_enum, default_value = "none", value_name = "none|predicted")]
+    drives: Drives,
+
+    /// Also print every note and, with --drives predicted, what one lost answer of a real drive would cost
     #[arg(short, long)]
     verbose: bool,
 
@@ -85,6 +87,14 @@ Examples:
   twin check examples/*.cnc --machine machines/scara2.toml --limits axes --format json
   twin check examples/vice.ngc --machine machines/gantry3_vice.toml --physics
   twin check examples/vice.ngc --machine machines/gantry3_vice.toml --clearance near.svg --clearance near.csv";
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Drives {
+    /// Nothing
+    None,
+    /// Errors of every drive, and the load of its wire
+    Predicted,
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Format {
@@ -194,9 +204,7 @@ fn one(
     continues: Option<AxisVector>,
     bars: &MultiProgress,
 ) -> Result<Outcome, Failure> {
-    if arguments.limits == Limits::Axes {
-        plans_without_inputs(program)?;
-    }
+    let limits = arguments.limits.of(machine, program)?;
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let bar = bars.add(show::progress(bytes, "{msg} {bar:30} {percent:>3} % {bytes_per_sec}"));
     bar.set_message(program.path().display().to_string());
@@ -206,11 +214,11 @@ fn one(
         machine,
         program,
         CheckOptions {
-            limits: arguments.limits,
+            limits,
             physics: arguments.physics,
             scenario: scenario.clone(),
             acknowledge: arguments.m_functions.acknowledge,
-            drives: true,
+            drives: arguments.drives == Drives::Predicted,
             continues,
         },
         &mut |progress| {
@@ -239,10 +247,7 @@ fn report(
             writeln!(out)
         }
         Format::Human => {
-            writeln!(out, "{}: {}", program.path().display(), verdict(outcome))?;
-            // Findings go to standard error, and must not overtake it.
-            out.flush()?;
-            show::findings(program, &outcome.findings);
+            human(&mut out, machine, program, outcome, arguments.verbose)?;
             // Of a program that says nothing of motion nothing is predicted.
             let moved = outcome.following.as_ref().filter(|found| found.tool.maximum().is_some());
             if let Some(predicted) = moved {
@@ -253,34 +258,58 @@ fn report(
                     writeln!(out, "{note}")?;
                 }
             }
-            tables(&mut out, machine, program, outcome)
+            Ok(())
         }
     }
 }
 
-/// The verdict in a line, with the number of errors and warnings.
+/// The verdict, the findings and the tables of a check.
+pub(super) fn human(
+    out: &mut impl Write,
+    machine: &Machine,
+    program: &ProgramFile,
+    outcome: &Outcome,
+    verbose: bool,
+) -> io::Result<()> {
+    writeln!(out, "{}: {}", program.path().display(), verdict(outcome))?;
+    // Findings go to standard error, and must not overtake it.
+    out.flush()?;
+    show::findings(program, &outcome.findings, verbose);
+    tables(out, machine, program, outcome)
+}
+
+/// The verdict with the number of errors and warnings, and the worst finding if it is not fit.
 fn verdict(outcome: &Outcome) -> String {
     let count =
         |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();
     let errors = count(finding::Severity::Error);
     let warnings = count(finding::Severity::Warning);
-    let verdict = if errors == 0 { "fit for the machine" } else { "NOT fit for the machine" };
+    let verdict = if errors == 0 { "fit" } else { "not fit" };
     let left_out = match outcome.findings_left_out {
         0 => String::new(),
         more => format!(" (and {more} findings more, left out)"),
     };
-    format!("{verdict}: {}, {}{left_out}", counted(errors, "error"), counted(warnings, "warning"))
+    let worst = finding::worst(&outcome.findings).map(|worst| {
+        let place = Place { line: worst.line, block: worst.block };
+        format!("\n  worst: {place}: {}", worst.message)
+    });
+    format!(
+        "{verdict}: {}, {}{left_out}{}",
+        counted(errors, "error"),
+        counted(warnings, "warning"),
+        worst.unwrap_or_default()
+    )
 }
 
-/// The lines that sum up a check, with the table of peaks, and the verdict.
+/// The verdict of a check and its tables.
 pub(super) fn summary(
     out: &mut impl Write,
     machine: &Machine,
     program: &ProgramFile,
     outcome: &Outcome,
 ) -> io::Result<()> {
-    tables(out, machine, program, outcome)?;
-    writeln!(out, "{}", verdict(outcome))
+    writeln!(out, "{}", verdict(outcome))?;
+    tables(out, machine, program, outcome)
 }
 
 /// Size of the program and the tables of peaks and loads.

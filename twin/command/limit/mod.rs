@@ -77,7 +77,7 @@ Examples:
   twin limit examples/plate.cnc --machine machines/scara2.toml -o profile.svg -o profile.csv
   twin limit examples/plate.cnc --machine machines/scara2.toml --lines lines.csv
   twin limit examples/plate.cnc --machine machines/scara2.toml --feasible slower.cnc
-  twin limit examples/plate.cnc --machine machines/scara2.toml --limits softmotion";
+  twin limit examples/plate.cnc --machine machines/scara2.toml --limits programmed";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Format {
@@ -118,11 +118,11 @@ impl Arguments {
         expect_path(program)?;
         let wrong = match self.limits {
             Limits::Axes => return plans_without_inputs(program),
-            Limits::Softmotion if !self.without.is_empty() => {
+            Limits::Programmed if !self.without.is_empty() => {
                 "--without is for --limits axes: the controller's own planning knows none of these limits"
             }
-            Limits::Softmotion if self.feasible.is_some() => "--feasible is for --limits axes",
-            Limits::Softmotion => return Ok(()),
+            Limits::Programmed if self.feasible.is_some() => "--feasible is for --limits axes",
+            Limits::Programmed => return Ok(()),
         };
         Err(Failure::Usage(wrong.to_owned()))
     }
@@ -202,7 +202,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             job.follow(&mut profile, Profile::bytes_read, &mut outputs)?;
             job.within_axes(profile)
         }
-        Limits::Softmotion => {
+        Limits::Programmed => {
             let profile = ControllerProfile::new(&program, &machine);
             let mut profile = profile.map_err(|failure| failed(&program, failure))?;
             job.follow(&mut profile, ControllerProfile::bytes_read, &mut outputs)?;
@@ -339,7 +339,7 @@ impl<'a> Job<'a> {
         let summing = std::mem::take(&mut self.summing);
         let summary = summing.finish(Windows::default(), |line| lines.get(&line).copied());
         let duration_under_axes_s = Some(within_axes.duration_s);
-        Ok(LimitSummary { limits: Limits::Softmotion, duration_under_axes_s, ..summary })
+        Ok(LimitSummary { limits: Limits::Programmed, duration_under_axes_s, ..summary })
     }
 }
 
@@ -365,9 +365,9 @@ fn report(
             writeln!(out)
         }
         Format::Human => {
-            show::findings(program, findings);
+            show::findings(program, findings, true);
             if finding::unfit(findings) {
-                writeln!(out, "NOT fit for the machine; what follows is of what can be planned")?;
+                writeln!(out, "not fit; what follows is of what can be planned")?;
             }
             write_summary(&mut out, machine, program, summary)
         }

@@ -68,7 +68,7 @@ impl<'m> Outputs<'m> {
             let name = program.path().display().to_string();
             let machine = match limits {
                 Limits::Axes => machine.name.clone(),
-                Limits::Softmotion => format!("{} as its controller plans it", machine.name),
+                Limits::Programmed => format!("{} as its controller plans it", machine.name),
             };
             let text = picture.draw(&name, &machine);
             for path in self.pictures {

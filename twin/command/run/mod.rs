@@ -12,15 +12,14 @@ mod summary;
 mod watcher;
 
 use super::options::{
-    self, AcknowledgeOption, DEFAULT_ADDRESS, InputOptions, MachineOption, ReadOptions,
-    SimulationOptions, plans_without_inputs, unreadable,
+    self, AcknowledgeOption, DEFAULT_ADDRESS, InputOptions, LimitsOption, MachineOption,
+    ReadOptions, SimulationOptions, unreadable,
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, check, following, show};
 use crate::check::{CheckOptions, Outcome};
 use crate::command::atomic_file;
 use crate::finding;
-use crate::limit::Limits;
 use crate::program::{Dialect, ProgramFile};
 use crate::session::{Ending, OverrideAt, Stopped, whereabouts};
 use axis_watch::AxisWatchOptions;
@@ -45,9 +44,9 @@ const APPROACH: f64 = 0.25;
 /// writes recording and report; a second one brakes every axis at its own limits.
 ///
 /// In step with the wall clock (with drives, or --realtime) and on a terminal the keys + and - change the override by
-/// 10 %, and space holds the path and lets it go on. What is asked for counts from 0.1 s later on, with --limits axes;
-/// if planning takes longer, the path goes on as planned until there is a new plan, and a hold is over at the end of what is
-/// planned at the latest, 1 to 3 s ahead. With --limits softmotion the key s switches single step on and off, n waiting at the
+/// 10 %, and space holds the path and lets it go on. What is asked for counts from 0.1 s later on; if planning takes
+/// longer, the path goes on as planned until there is a new plan, and a hold is over at the end of what is planned at the
+/// latest, 1 to 3 s ahead. With --limits programmed the key s switches single step on and off, n waiting at the
 /// next stop.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct Arguments {
@@ -67,14 +66,12 @@ pub(super) struct Arguments {
     #[command(flatten)]
     m_functions: AcknowledgeOption,
 
-    /// Whose limits the path is planned with: the controller's own, or those of the axes, as `twin limit` plans it. As for
-    /// `twin check`, the controller's own by default: what moves is what was checked, and what the controller does
-    #[arg(long, value_enum, default_value = "softmotion")]
-    limits: Limits,
+    #[command(flatten)]
+    limits: LimitsOption,
 
-    /// Change the override while the program runs: 2s=50%,3.5s=0,5s=100% holds the path from 3.5 s to 5 s; may be given several
-    /// times
-    #[arg(long, value_name = "TIME=FACTOR", value_delimiter = ',')]
+    /// Change the override while the program runs: 2s=50,3.5s=0,5s=100 halves the feed from 2 s on and holds the path from 3.5 s
+    /// to 5 s; may be given several times
+    #[arg(long, value_name = "TIME=PERCENT", value_delimiter = ',')]
     override_at: Vec<OverrideAt>,
 
     /// Drives to run in parallel to the simulated machine. Positions of real drives may differ from the machine file by up to 2.5
@@ -160,9 +157,8 @@ impl Arguments {
             ));
         }
         self.check_targets(&program)?;
-        if self.limits == Limits::Axes {
-            plans_without_inputs(&program)?;
-        }
+        // Options that exclude each other are found before anything is checked.
+        self.limits.of(machine, &program)?;
         Ok(program)
     }
 
@@ -201,14 +197,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         let program = own.open(&machine)?;
         check::may_follow(&program, continues.as_ref())?;
         let outcome = check_first(&machine, &program, &own, continues)?;
-        show::findings(&program, &outcome.findings);
         let Some(start) = outcome.start.filter(|_| !finding::unfit(&outcome.findings)) else {
             let report = own.report(&machine, &program, &outcome);
             report.write_nothing("the program is not fit for the machine; nothing moved")?;
             let mut out = io::stdout().lock();
-            check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
+            check::human(&mut out, &machine, &program, &outcome, false).map_err(Failure::Stdio)?;
             return Ok(Status::Unfit);
         };
+        show::findings(&program, &outcome.findings, false);
         let before = std::mem::replace(&mut continues, outcome.end);
         checked.push(Checked { arguments: own, program, outcome, start, continues: before });
     }
@@ -267,7 +263,7 @@ fn execute(
         behind.extend(crate::check::faults_to_come(machine, &done.ending.record));
     }
     outcome.loads.clone_from(&done.ending.record.loads);
-    show::findings(program, &behind);
+    show::findings(program, &behind, true);
     outcome.findings.extend(behind);
     finding::sort(&mut outcome.findings);
     let report = Report { outcome: &outcome, ..report };
@@ -391,7 +387,7 @@ fn check_first(
 ) -> Result<Outcome, Failure> {
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let acknowledge = arguments.m_functions.acknowledge;
-    let limits = arguments.limits;
+    let limits = arguments.limits.of(machine, program)?;
     let drives = arguments.drives != Drives::None;
     let options =
         CheckOptions { limits, acknowledge, drives, continues, ..CheckOptions::default() };

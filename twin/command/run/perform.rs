@@ -94,10 +94,10 @@ pub(super) fn perform<'m>(
     );
     let acknowledge = arguments.m_functions.acknowledge;
     let realtime = arguments.realtime;
-    let limits = arguments.limits;
+    let limits = arguments.limits.of(machine, program)?;
     let overrides = &arguments.override_at;
     let paced = realtime || has_drives;
-    let stepping = limits == Limits::Softmotion
+    let stepping = limits == Limits::Programmed
         && program.dialect() != Dialect::Job
         && program.settings().workpiece.is_none();
     let session = Session {

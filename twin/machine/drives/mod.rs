@@ -65,7 +65,12 @@ pub(super) struct Seen {
     pub(super) family: Option<&'static dyn Family>,
     /// Known of a device with which nothing is wrong.
     pub(super) abilities: Option<Abilities>,
+    /// The file says with which speed its step motors start at once.
+    pub(super) starts: bool,
 }
+
+/// Keys of the speed with which step motors start at once.
+const START_STOP_KEYS: [&str; 2] = ["start_stop_hz", "start_stop_steps_per_s"];
 
 impl Seen {
     pub(super) fn of(
@@ -77,6 +82,7 @@ impl Seen {
             name: section.glance_at_text("name").unwrap_or_default().to_owned(),
             family: glance(section, families),
             abilities: entry.map(|entry| entry.device.abilities()),
+            starts: START_STOP_KEYS.iter().any(|key| section.has(key)),
         }
     }
 }
