@@ -50,7 +50,7 @@ fn assert_on_helices(cycles: &[Cycle]) {
 }
 
 const CHANGES: [&str; 7] =
-    ["0.7s=50%", "1.2s=0", "1.7s=120%", "2.3s=0", "2.31s=10%", "2.6s=2", "3s=1"];
+    ["0.7s=50%", "1.2s=0", "1.7s=120%", "2.3s=0", "2.31s=10%", "2.6s=200", "3s=100"];
 
 #[test]
 fn limits_of_the_axes_hold_across_changes_of_the_override() {
@@ -95,7 +95,7 @@ fn limits_of_the_axes_hold_across_changes_of_the_override() {
 #[test]
 fn the_controllers_own_planning_has_an_override_as_well() {
     let machine = portal();
-    let program = Program::new(CIRCLES).with_overrides(&["1s=50%", "2s=0", "3s=1"]);
+    let program = Program::new(CIRCLES).with_overrides(&["1s=50%", "2s=0", "3s=100"]);
     let mut recorder = Recorder::new();
     let ending = simulate(&machine, &program, &mut recorder, &|| 0);
     assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
@@ -164,8 +164,8 @@ fn beside_the_wall_clock_limits_hold_whenever_plans_come() {
     let further: String = (6..18).map(helix).collect();
     let text = HELICES.replace("F150 E1000 E-1000", "F900 E9000 E-9000") + &further;
     let program = Program::new(&text).within_axes();
-    let program =
-        program.with_overrides(&["0.3s=30%", "0.5s=0", "0.9s=80%", "1.0s=1", "1.3s=5%", "1.6s=2"]);
+    let program = program
+        .with_overrides(&["0.3s=30%", "0.5s=0", "0.9s=80%", "1.0s=100", "1.3s=5%", "1.6s=200"]);
     let start = program.check(&machine).start.unwrap();
     let twin = Simulated::new(&machine, &start).unwrap();
     let session = Session { realtime: true, ..program.session(&machine, twin) };
@@ -184,7 +184,7 @@ fn beside_the_wall_clock_limits_hold_whenever_plans_come() {
 fn drives_follow_a_path_that_is_held_and_stopped() {
     let machine = portal();
     let program = Program::new(CIRCLES).within_axes();
-    let program = program.with_overrides(&["0.4s=50%", "0.7s=0", "1.1s=1"]);
+    let program = program.with_overrides(&["0.4s=50%", "0.7s=0", "1.1s=100"]);
     let interrupts = Cell::new(0);
     let mut recorder =
         Recorder::with(|time_ns| interrupts.set(u32::from(time_ns >= 1_600_000_000)));
