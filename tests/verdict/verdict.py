@@ -11,9 +11,8 @@ another peak value than the truth. Exit status 1: a violation is missed, or a fi
 
 - A program with a point outside the reach is judged on the rule `reach` alone, because other findings follow from it.
 - Values closer to their limit than 1e-5 of it are undecided and left out.
-- Where the tool turns with the path, set-points can jump. A jump counts as the velocity that makes it in one cycle; above
-  the limit of the velocity it is judged on that alone. `axis-acceleration` and `axis-velocity-step` count as one rule, and
-  lines are not compared.
+- Where the tool turns with the path, axes jump at corners. A jump counts as the velocity that makes it in one cycle, and
+  as a step to that velocity if it keeps the limit of the velocity.
 """
 
 import argparse
@@ -155,15 +154,7 @@ def compared(value: float, limit: float, margin: float = MARGIN) -> bool | None:
     return value > limit
 
 
-def compared_jump(jump: float, other: float, limit: float) -> bool | None:
-    """Like `compared`, for a velocity of which `jump` comes from a jump and at most `other` from the motion itself."""
-    above = compared(other, limit)
-    if above is True or not jump:
-        return above
-    return True if jump - other > limit else False if jump + other < limit else None
-
-
-def expected(truth: dict, axes: list[dict], turning: bool) -> dict[tuple[str, str], tuple[bool | None, float, float]]:
+def expected(truth: dict, axes: list[dict]) -> dict[tuple[str, str], tuple[bool | None, float, float]]:
     """Per axis and rule: violated or not (None: undecided), true value, limit."""
     reach = truth["reach"]
     if reach <= REACH_MARGIN_MM:
@@ -178,34 +169,27 @@ def expected(truth: dict, axes: list[dict], turning: bool) -> dict[tuple[str, st
         rules[name, "axis-position"] = (outside, true[nearest], axis[nearest])
         rules[name, "axis-acceleration"] = (compared(true["acceleration"], axis["acceleration"]),
                                             true["acceleration"], axis["acceleration"])
-        # A jump adds to what the axis moves in its cycle anyway, in the same or in the other direction.
-        jump = true["jump"] / CYCLE_S if true["jump"] > 1e-6 else 0.0
-        rules[name, "axis-velocity"] = (compared_jump(jump, true["velocity"], axis["velocity"]),
-                                        max(true["velocity"], jump), axis["velocity"])
-        step = compared(true["step"], axis["step"])
-        if step is not True and jump:
-            too_fast = jump + true["velocity"] > axis["velocity"]  # reported as velocity instead
-            step = None if too_fast else compared_jump(jump, true["acceleration"] * CYCLE_S, axis["step"])
-        rules[name, "axis-velocity-step"] = (step, max(true["step"], jump), axis["step"])
-    if turning:
-        merge_steps(rules, axes)
+        jump = true["jump"] / CYCLE_S
+        velocity = max(true["velocity"], jump)
+        rules[name, "axis-velocity"] = (compared(velocity, axis["velocity"]), velocity, axis["velocity"])
+        jumps = [line["axes"][name]["jump"] / CYCLE_S for line in truth.get("lines", {"": truth}).values()]
+        step = max([true["step"], *(jump for jump in jumps if jump <= axis["velocity"])])
+        rules[name, "axis-velocity-step"] = (compared(step, axis["step"]), step, axis["step"])
     return rules
 
 
-def judge(truth: dict, report: dict, axes: list[dict], turning: bool) -> list[dict]:
+def judge(truth: dict, report: dict, axes: list[dict]) -> list[dict]:
     """Compares the findings of one program with its truth, one entry per axis and rule."""
     found: dict[tuple[str, str], dict[int, float]] = defaultdict(dict)
     for finding in report["findings"]:
         if finding["severity"] == "error" and finding["rule"] in RULES:
             rule = finding["rule"]
-            if turning and rule == "axis-velocity-step":
-                rule = "axis-acceleration"
             found["" if rule == "reach" else finding.get("axis", ""), rule][finding["line"]] = finding.get("value")
-    # A jump at a corner may count to either of its lines. Bridging after a G92 is found at its line, which moves nothing.
-    of_lines = {} if turning else {line: expected(values, axes, turning) for line, values in truth["lines"].items()}
+    # Bridging after a G92 is found at its line, which moves nothing.
+    of_lines = {line: expected(values, axes) for line, values in truth["lines"].items()}
     scales = {(axis["name"], "axis-position"): axis["max"] - axis["min"] for axis in axes}
     entries = []
-    for key, (violated, value, limit) in expected(truth, axes, turning).items():
+    for key, (violated, value, limit) in expected(truth, axes).items():
         reported = bool(found[key])
         verdict = ("undecided" if violated is None else "found" if violated and reported else "missed" if violated
                    else "false alarm" if reported else "right")
@@ -215,14 +199,6 @@ def judge(truth: dict, report: dict, axes: list[dict], turning: bool) -> list[di
                         "missed lines": [line for line, above in lines.items() if above and line not in found[key]],
                         "false lines": [line for line in found[key] if lines.get(line) is False]})
     return entries
-
-
-def merge_steps(rules: dict, axes: list[dict]) -> None:
-    """Makes one rule of acceleration and velocity step: at set-points a step is an acceleration of one cycle."""
-    for axis in axes:
-        step, acceleration = rules.pop((axis["name"], "axis-velocity-step")), rules[axis["name"], "axis-acceleration"]
-        order = {True: 2, None: 1, False: 0}
-        rules[axis["name"], "axis-acceleration"] = max(acceleration, step, key=lambda entry: order[entry[0]])
 
 
 def peaks_off(truth: dict, report: dict, axes: list[dict], text: str) -> list[str]:
@@ -235,11 +211,11 @@ def peaks_off(truth: dict, report: dict, axes: list[dict], text: str) -> list[st
         return []
     off = []
     for axis in axes:
-        if truth["axes"][axis["name"]]["jump"] > 1e-6:
-            continue
         peak, true = report["peak"][axis["name"]], truth["axes"][axis["name"]]
         for quantity in ("velocity", "acceleration"):
             value, exact = peak[quantity]["value"], true[quantity]
+            if quantity == "velocity":
+                exact = max(exact, true["jump"] / CYCLE_S)
             if abs(value - exact) > PEAK_TOLERANCE * max(exact, 0.1 * axis[quantity]):
                 off.append(f"{axis['name']} {quantity} {value:.9g}, truth {exact:.9g}")
         for end in ("min", "max") if axis["max"] < 1e6 else ():
@@ -264,8 +240,6 @@ class Machine:
         self.flat = self.folder / "machine.txt"
         self.flat.write_text(flatten(self.content), encoding="utf-8")
         self.axes = axes_of(self.content)
-        kinematics = self.content["kinematics"]
-        self.turning = "cutter" in kinematics["kind"] and kinematics.get("direction", "tangential") == "tangential"
 
     def batch(self, options: argparse.Namespace, first: int, count: int) -> list[tuple[dict, dict]]:
         """Generates programs `first` … and checks them: pairs of truth and report."""
@@ -366,7 +340,7 @@ def main() -> int:
         runs = [(job[0], pool.submit(job[0].batch, options, job[1], job[2])) for job in jobs]
         for machine, run in runs:
             for truth, report in run.result():
-                entries = judge(truth, report, machine.axes, machine.turning)
+                entries = judge(truth, report, machine.axes)
                 program = machine.folder / truth["file"]
                 text = program.read_text(encoding="utf-8")
                 off = peaks_off(truth, report, machine.axes, text)

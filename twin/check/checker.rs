@@ -44,9 +44,9 @@ pub(super) struct Checker<'m> {
     untaken: i64,
     /// Axes that follow blocks, gears or cams, and no path.
     free: Vec<bool>,
+    /// Axes that turn the tool with the path: where the plan is not known piece by piece, they may step as well.
+    turning: Vec<bool>,
     jumps: CamJumps<'m>,
-    /// The tool turns with the path: at once where that has a corner, and axes that hold the tip turn with it.
-    with_path: bool,
     /// Where the plan is known piece by piece.
     pieces: Option<PieceCheck<'m>>,
     /// Findings say which feed would do.
@@ -74,8 +74,8 @@ impl<'m> Checker<'m> {
             duration_ns: 0,
             untaken: 0,
             free: free_axes(machine, is_job),
+            turning: turning_axes(machine),
             jumps: CamJumps::new(machine),
-            with_path: matches!(machine.direction, DirectionRule::Path(..)),
             pieces: None,
             feeds: true,
             reported_missing: [false; EXTRA_AXES.len()],
@@ -100,7 +100,7 @@ impl<'m> Checker<'m> {
         if let Some(job) = items.job() {
             self.jumps.leave_out(job);
         }
-        if items.record(self.with_path) {
+        if items.record(self.turning.contains(&true)) {
             self.by_pieces();
         }
     }
@@ -108,15 +108,8 @@ impl<'m> Checker<'m> {
     /// From now on the axes that follow the path are checked by the pieces of its plan.
     fn by_pieces(&mut self) {
         let near = self.start.unwrap_or_else(|| self.machine.middle());
-        let sampled = (0..self.machine.axes.len()).map(|index| self.is_sampled(index)).collect();
-        let pieces = PieceCheck::new(self.machine, near, self.slack, sampled);
+        let pieces = PieceCheck::new(self.machine, near, self.slack, self.free.clone());
         self.pieces = Some(if self.feeds { pieces } else { pieces.without_feeds() });
-    }
-
-    /// True for axes that follow something else than the path, or turn at once where it has a corner.
-    fn is_sampled(&self, index: usize) -> bool {
-        self.free.get(index).copied().unwrap_or_default()
-            || (self.with_path && self.machine.kinematics.is_rotary(index))
     }
 
     /// Checks the pieces of the plan that are over.
@@ -193,9 +186,6 @@ impl<'m> Checker<'m> {
 
     /// The same; `by_pieces`: axes that follow the path are checked elsewhere.
     fn setpoint<'s>(&mut self, setpoint: &'s AxisSetpoint, by_pieces: bool) -> &'s AxisSetpoint {
-        let elsewhere: Vec<_> = (0..self.machine.axes.len())
-            .map(|index| by_pieces && !self.is_sampled(index))
-            .collect();
         self.duration_ns = setpoint.time_ns;
         let last = self.last.replace(*setpoint);
         self.start.get_or_insert(setpoint.axes.position);
@@ -205,10 +195,10 @@ impl<'m> Checker<'m> {
         let machine = self.machine;
         let [faster, harder, jerkier] = self.slack;
         let cycle = seconds(machine.cycle_ns);
-        let with_path = self.with_path;
         for (index, (axis, peak)) in machine.axes.iter().zip(&mut self.peaks).enumerate() {
             let now = Instant::of(setpoint, index);
-            let turns = with_path && machine.kinematics.is_rotary(index);
+            let of = |axes: &[bool]| axes.get(index).copied().unwrap_or_default();
+            let (slaved, turns) = (of(&self.free), of(&self.turning));
             let before = last.as_ref().map(|last| Instant::of(last, index));
             let rapids = self.rapids;
             let mut report = |mut finding: Finding| {
@@ -226,31 +216,25 @@ impl<'m> Checker<'m> {
             {
                 report(finding);
             }
-            // Axes that hold the tip of a tool that turns at once may jump with it; else the pieces say all.
-            let by_pieces = elsewhere.get(index).copied().unwrap_or_default();
-            if by_pieces && !with_path {
+            if by_pieces && !slaved {
                 continue;
             }
 
             let slows = axis.slows(now.velocity, now.acceleration, cycle);
             let limit = axis.acceleration_limit(slows);
-            if !by_pieces {
-                peak.velocity.include(now.velocity, setpoint.place);
-                if exceeds(now.velocity, faster * axis.max_velocity) {
-                    report(messages::too_fast(axis, setpoint.place, now.velocity));
-                }
-                peak.include_acceleration(axis, slows, now.acceleration, setpoint.place);
-                if exceeds(now.acceleration, harder * limit) {
-                    let found = messages::too_hard(axis, setpoint.place, now.acceleration, slows);
-                    report(found);
-                }
+            peak.velocity.include(now.velocity, setpoint.place);
+            if exceeds(now.velocity, faster * axis.max_velocity) {
+                report(messages::too_fast(axis, setpoint.place, now.velocity));
+            }
+            peak.include_acceleration(axis, slows, now.acceleration, setpoint.place);
+            if exceeds(now.acceleration, harder * limit) {
+                report(messages::too_hard(axis, setpoint.place, now.acceleration, slows));
             }
 
             let Some(before) = before else { continue };
             // What only the difference between cycles shows belongs to the block of the cycle in which it happens, which the
             // set-point before began; where no path is followed, to the one that has begun with the set-point that is new.
-            let free = self.free.get(index).copied().unwrap_or_default();
-            let of_cycle = if free { now.place } else { before.place };
+            let of_cycle = if slaved { now.place } else { before.place };
             let stepped = (now.position - before.position) / cycle;
             let at_rest = now.path_velocity <= 0.0 && before.path_velocity <= 0.0;
             let most = faster * axis.max_velocity;
@@ -261,25 +245,20 @@ impl<'m> Checker<'m> {
                     report(messages::too_fast(axis, of_cycle, stepped));
                 }
             }
-            // A tool that turns with the path turns at once where that has a corner too small to stop at. Neither velocity
-            // says so, only the position.
-            // An axis that follows no path may step as well.
-            let jump = now.jump(&before, cycle, free);
+            // An axis that follows no path may step, and so may one that turns the tool with the path at a corner too small
+            // to stop at.
+            let jump = now.jump(&before, cycle);
             let falls =
                 axis.own_deceleration().is_some() && now.velocity.abs() < before.velocity.abs();
             let jump_limit = harder * axis.acceleration_limit(falls);
-            if (turns || free)
+            if (slaved || turns)
                 && !too_fast
-                && (free || !at_rest)
                 && !exceeds(stepped, most)
                 && !exceeds(now.acceleration, harder * limit)
                 && exceeds(jump, jump_limit)
             {
                 peak.include_acceleration(axis, falls, jump, of_cycle);
                 report(messages::too_hard(axis, of_cycle, jump, falls));
-            }
-            if by_pieces {
-                continue;
             }
             let jerk = (now.acceleration - before.acceleration) / cycle;
             // An acceleration that comes up is of this block, one that ends of the one before.
@@ -350,6 +329,12 @@ fn out_of_order(machine: &Machine) -> Findings {
         }
     }
     findings
+}
+
+/// Which axes turn the tool with the path.
+fn turning_axes(machine: &Machine) -> Vec<bool> {
+    let with_path = matches!(machine.direction, DirectionRule::Path(..));
+    (0..machine.axes.len()).map(|index| with_path && machine.kinematics.is_rotary(index)).collect()
 }
 
 /// Which axes follow no path: all of a job, and the slaves of the machine's gears and cams.

@@ -35,7 +35,7 @@ fn a_knife_at_a_corner() {
         .filter(|finding| finding.axis.as_deref() == Some("R"))
         .map(|finding| (finding.rule, finding.line))
         .collect();
-    assert_eq!(turned, [(Rule::AxisVelocity, 3)], "{:#?}", outcome.findings);
+    assert_eq!(turned, [(Rule::AxisVelocity, 4)], "{:#?}", outcome.findings);
     // Its edge behind R, the other axes would have to swing round it at once.
     assert!(outcome.findings.iter().any(|finding| finding.axis.as_deref() == Some("Y")));
 }
@@ -69,7 +69,7 @@ fn a_knife_at_a_slight_turn() {
         .filter(|finding| finding.axis.as_deref() == Some("R"))
         .map(|finding| (finding.rule, finding.line, finding.value.unwrap()))
         .collect();
-    let [(Rule::AxisAcceleration, 3, value)] = found[..] else { panic!("{:#?}", outcome.findings) };
-    // 0.9° in a thousandth of a second, from rest.
-    assert!((value - 0.9e6).abs() < 10.0, "{value}");
+    let [(Rule::AxisVelocityStep, 4, value)] = found[..] else { panic!("{:#?}", outcome.findings) };
+    // 0.9° in a thousandth of a second.
+    assert!((value - 900.0).abs() < 0.01, "{value}");
 }

@@ -27,16 +27,12 @@ impl Instant {
         }
     }
 
-    /// Acceleration that follows from the positions of two cycles beyond the one that both velocities explain. For an
-    /// axis `free` of any path it is the acceleration beyond the mean of both, and that of velocities that step.
-    pub(super) fn jump(&self, before: &Self, cycle: f64, free: bool) -> f64 {
+    /// Acceleration that follows from the positions of two cycles beyond the mean of both velocities, or from velocities
+    /// that step.
+    pub(super) fn jump(&self, before: &Self, cycle: f64) -> f64 {
         let stepped = (self.position - before.position) / cycle;
-        if free {
-            // It may stand for a cycle as well, between two velocities that are the same.
-            let kink = (stepped - self.velocity.midpoint(before.velocity)).abs();
-            return kink.max((self.velocity - before.velocity).abs()) / cycle;
-        }
-        let explained = self.velocity.abs().max(before.velocity.abs());
-        (stepped.abs() - explained).max(0.0) / cycle
+        // It may stand for a cycle as well, between two velocities that are the same.
+        let kink = (stepped - self.velocity.midpoint(before.velocity)).abs();
+        kink.max((self.velocity - before.velocity).abs()) / cycle
     }
 }

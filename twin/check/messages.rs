@@ -85,17 +85,29 @@ pub(super) fn too_jerky(axis: &Axis, place: Place, jerk: f64, limit: f64) -> Fin
     }
 }
 
-/// A velocity (rad/s or m/s) that changes by `step` at once where the path turns by `angle`, rad, or rests; below `feed`,
+/// A velocity (rad/s or m/s) that changes by `value` at once.
+pub(super) fn step(axis: &Axis, place: Place, value: f64, limit: f64) -> Finding {
+    too_much(axis, Rule::AxisVelocityStep, &STEP, place, value, limit)
+}
+
+/// Something that happens because a tool that turns with the path does so at once.
+pub(super) fn turns_at_once(mut finding: Finding) -> Finding {
+    finding.message = format!("{}: the tool turns with the path at once here", finding.message);
+    finding.hint = Some("round the corner, or plan within the limits of the axes (--limits axes), which turns the tool at rest".to_owned());
+    finding
+}
+
+/// A velocity (rad/s or m/s) that changes by `value` at once where the path turns by `angle`, rad, or rests; below `feed`,
 /// m/s, it does not change by more than `limit`.
 pub(super) fn steps(
     axis: &Axis,
     place: Place,
-    step: f64,
+    value: f64,
     limit: f64,
     angle: Option<f64>,
     feed: Option<f64>,
 ) -> Finding {
-    let mut finding = too_much(axis, Rule::AxisVelocityStep, &STEP, place, step, limit);
+    let mut finding = step(axis, place, value, limit);
     let why = match angle {
         Some(angle) => {
             let angle = twin_number::significant(angle.to_degrees(), 3);
@@ -108,9 +120,9 @@ pub(super) fn steps(
     finding
 }
 
-/// A velocity (rad/s or m/s) that changes by `step` within a cycle at an edge of the reach.
-pub(super) fn steps_at_edge(axis: &Axis, place: Place, step: f64, limit: f64) -> Finding {
-    let mut finding = too_much(axis, Rule::AxisVelocityStep, &STEP, place, step, limit);
+/// A velocity (rad/s or m/s) that changes by `value` within a cycle at an edge of the reach.
+pub(super) fn steps_at_edge(axis: &Axis, place: Place, value: f64, limit: f64) -> Finding {
+    let mut finding = step(axis, place, value, limit);
     finding.message = format!("{}: the tool is at an edge of the reach", finding.message);
     finding.hint = Some("keep the path away from there; a lower feed does not help".to_owned());
     finding

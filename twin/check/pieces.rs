@@ -7,10 +7,10 @@ use crate::limit::MachinePath;
 use crate::messages::{beyond_position, unreachable};
 use crate::peak::AxisPeak;
 use crate::tolerance::exceeds;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
 use twin_kinematics::{AxisVector, MAX_AXES};
-use twin_machine::{Axis, Machine};
+use twin_machine::{Axis, DirectionRule, Machine};
 use twin_number::seconds;
 use twin_path::Place;
 use twin_planner::blended_path::BlendedElement;
@@ -26,6 +26,8 @@ const JERK_EXACT: f64 = 1.0 + 2e-3;
 const LITTLE: f64 = 1e-3;
 /// Pieces that follow each other within this time, s, do so without a rest.
 const SAME_TIME: f64 = 1e-9;
+/// Points nearer to each other than this are one, and axes stand still, m or rad.
+const SAME_PLACE: f64 = 1e-9;
 /// Feeds are told apart to this part of them.
 const SAME: f64 = 1e-12;
 /// A feed is looked for in so many steps, and below this part of the present one it is none.
@@ -52,12 +54,14 @@ pub(super) struct PieceCheck<'m> {
     path: MachinePath<'m>,
     near: AxisVector,
     last: Option<Last>,
+    /// Where the last piece ended, work frame, if the tool turns with the path: at corners it does so at once.
+    tip: Option<Point3<f64>>,
     /// The last piece is out of reach, so that nothing is known of its end.
     lost: bool,
     open: Option<Open>,
     /// Factors on the limits, as [`super::checker::Checker`] has them.
     slack: [f64; 3],
-    /// Axes that are checked at set-points: slaves, and those that turn with the path.
+    /// Axes that are checked at set-points: slaves.
     sampled: Vec<bool>,
     /// Steps of the velocity that an axis may make, m/s or rad/s.
     steps: Vec<f64>,
@@ -113,6 +117,7 @@ impl<'m> PieceCheck<'m> {
             path: MachinePath::without_motors(machine),
             near,
             last: None,
+            tip: None,
             lost: false,
             open: None,
             slack,
@@ -154,13 +159,14 @@ impl<'m> PieceCheck<'m> {
             Ok(extremes) => extremes,
             Err(out) => {
                 findings.add(None, unreachable(place, &out.error));
-                (self.last, self.open, self.lost) = (None, None, true);
+                (self.last, self.open, self.lost, self.tip) = (None, None, true, None);
                 return;
             }
         };
         let examined = Examined { planned, place, extremes };
         let mut open = self.open.take().unwrap_or_else(|| Open::at(planned, &self.near));
         let lost = std::mem::take(&mut self.lost);
+        let jumps = self.jumps(&examined);
         for (index, (axis, peak)) in self.machine.axes.iter().zip(peaks).enumerate() {
             if self.sampled.get(index).copied().unwrap_or_default() {
                 continue;
@@ -172,6 +178,9 @@ impl<'m> PieceCheck<'m> {
             if exceeds(edge, limit) {
                 report(messages::steps_at_edge(axis, place, edge, limit));
             }
+            if let Some(jumps) = &jumps {
+                self.jump(&examined, jumps, index, peak, &mut report);
+            }
             if !lost {
                 self.step(self.last.as_ref(), Some(&examined), index, peak, &mut report);
             }
@@ -182,6 +191,8 @@ impl<'m> PieceCheck<'m> {
         open.fastest = open.fastest.max(state.velocity).max(planned.piece.at(0.0).0.velocity);
         self.open = Some(open);
         self.near = end.position;
+        let with_path = matches!(self.machine.direction, DirectionRule::Path(..));
+        self.tip = with_path.then(|| planned.element.at(state.position).position);
         self.last = Some(Last {
             place,
             time: planned.start() + planned.piece.duration,
@@ -300,6 +311,42 @@ impl<'m> PieceCheck<'m> {
             axis.max_jerk.filter(|limit| exceeds(jerk.value, JERK_EXACT * jerkier * *limit))
         {
             report(messages::too_jerky(axis, place, jerk.value, limit));
+        }
+    }
+
+    /// What the axes jump at the start of a piece, where the path goes on; none if it does not.
+    fn jumps(&self, examined: &Examined<'_>) -> Option<AxisVector> {
+        let Examined { planned, extremes, .. } = examined;
+        let start = planned.element.at(planned.piece.at(0.0).0.position).position;
+        let goes_on = self.tip.is_some_and(|tip| (tip - start).norm() < SAME_PLACE);
+        goes_on.then(|| {
+            let pairs = extremes.ends[0].position.iter().zip(self.near.iter());
+            AxisVector::from_values(pairs.map(|(start, end)| start - end))
+        })
+    }
+
+    /// What one axis jumps, at the velocity that takes it there in a cycle.
+    fn jump(
+        &self,
+        examined: &Examined<'_>,
+        jumps: &AxisVector,
+        index: usize,
+        peak: &mut AxisPeak,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        let jump = jumps.get(index).copied().unwrap_or_default();
+        let Some(axis) = self.machine.axes.get(index).filter(|_| jump.abs() > SAME_PLACE) else {
+            return;
+        };
+        let place = examined.place;
+        let velocity = jump.abs() / seconds(self.machine.cycle_ns);
+        peak.velocity.include(velocity, place);
+        let [faster, ..] = self.slack;
+        let limit = self.step_limit(index);
+        if exceeds(velocity, EXACT * faster * axis.max_velocity) {
+            report(messages::turns_at_once(messages::too_fast(axis, place, velocity)));
+        } else if exceeds(velocity, limit) {
+            report(messages::turns_at_once(messages::step(axis, place, velocity, limit)));
         }
     }
 

@@ -275,14 +275,18 @@ impl AxisPath for MachinePath<'_> {
     /// That of additional axes counts; what slaves on cams do is not known.
     fn disc(&self, element: &BlendedElement, s: f64, _point: &AxisPoint) -> Option<AxisDisc> {
         let (point, path) = (element.at(s), element.disc(s));
-        let [direction, turn_rate, second, _] = self.direction(element, s, &point);
+        let [direction, turn_rate, ..] = self.direction(element, s, &point);
+        let mut radius = within(path.radius, element);
         let turn_bend = match self.machine.direction {
             DirectionRule::Fixed(_) => 0.0,
             DirectionRule::Additional(number, _) => {
                 path.extra_bend.get(usize::from(number)).copied().unwrap_or_default().to_radians()
             }
-            // Along lines and arcs it is linear; along other curves this is an estimate.
-            DirectionRule::Path(..) => 2.0 * second.abs(),
+            DirectionRule::Path(..) => {
+                let bearing = element.bearing_disc(s, &point);
+                radius = radius.min(bearing.radius);
+                bearing.bend
+            }
         };
         let frame = &self.machine.frame;
         let pose = frame.pose_to_machine(&Pose { position: point.position, direction });
@@ -293,7 +297,7 @@ impl AxisPath for MachinePath<'_> {
             bend: turned.matrix().abs() * path.bend,
             turn_rate,
             turn_bend,
-            radius: within(path.radius, element),
+            radius,
         });
         let AxisDisc { radius, mut change } = disc?;
         let sources = self.machine.kinematics.sources().iter().zip(&self.machine.axes);

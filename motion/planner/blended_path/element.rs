@@ -1,12 +1,12 @@
 //! Elements of the blended path.
 
-use super::turn::Held;
+use super::turn::{BearingDisc, Held};
 use super::{Bearing, Blend, Joint};
 use nalgebra::{Point3, Vector2, Vector3};
 use std::sync::Arc;
 use twin_path::Place;
 use twin_path::prepare::{CheckedElement, curvature};
-use twin_path::{ElementKind, ExtraPoint, PathDisc};
+use twin_path::{ElementKind, ExtraPoint, PathDisc, Shape};
 
 /// Places nearer to each other than this part of the length are one.
 pub(super) const SAME_PLACE: f64 = 1e-9;
@@ -51,10 +51,13 @@ impl BlendedElement {
         Self { element, head: None, tail: None, joint: Joint::STOP, transitions, held: None }
     }
 
-    /// As programmed, and not blended; if the tool turns with the path (`turning`), with its direction.
-    pub(crate) fn programmed(element: CheckedElement, turning: bool) -> Self {
-        let directions = super::turn::directions(&element).filter(|_| turning);
-        let held = directions.map(|[along, _]| Held { along, turn: 0.0 });
+    /// As programmed, and not blended. If the tool turns with the path, with its direction; `heading` (rad) is the one to
+    /// keep where the element has none.
+    pub(crate) fn programmed(element: CheckedElement, heading: Option<f64>) -> Self {
+        let held = heading.map(|heading| {
+            let [along, _] = super::turn::directions(&element).unwrap_or([heading; 2]);
+            Held { along, turn: 0.0 }
+        });
         Self { held, ..Self::new(element) }
     }
 
@@ -187,6 +190,19 @@ impl BlendedElement {
             (_, Some(blend)) if s >= self.tail_start() => blend.disc(),
             _ if self.is_turn() || !self.element.has_path() => PathDisc::STRAIGHT,
             _ => self.element.disc(s.clamp(0.0, length)),
+        }
+    }
+
+    /// How [`Self::bearing`] goes on into complex parameters about `s`, where the course is at `point`.
+    pub fn bearing_disc(&self, s: f64, point: &BlendedPoint) -> BearingDisc {
+        let is_blended = (self.head.is_some() && s <= self.head_end())
+            || (self.tail.is_some() && s >= self.tail_start());
+        match &self.element.shape {
+            _ if self.is_turn() || self.held.is_none() => BearingDisc::EVEN,
+            _ if is_blended => BearingDisc::of_tangent(point, &self.disc(s)),
+            Shape::Line { .. } => BearingDisc::EVEN,
+            Shape::Arc(arc) => BearingDisc::of_arc(arc, point, &self.disc(s)),
+            Shape::Ellipse(_) | Shape::Cubic(_) => BearingDisc::of_tangent(point, &self.disc(s)),
         }
     }
 

@@ -17,7 +17,7 @@ mod width;
 pub use blend::Blend;
 pub use element::{BlendedElement, BlendedPoint, Transition};
 pub use joint::Joint;
-pub use turn::Bearing;
+pub use turn::{Bearing, BearingDisc};
 
 use joint::Steps;
 use std::collections::VecDeque;

@@ -10,10 +10,10 @@
 use super::joint::{SLOWEST, Steps};
 use super::{BlendedElement, BlendedPoint};
 use nalgebra::Vector2;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{LN_2, PI, TAU};
 use twin_kinematics::direction_rates;
 use twin_path::prepare::CheckedElement;
-use twin_path::{Plane, Shape};
+use twin_path::{Arc, PathDisc, Plane, Shape};
 
 /// A tangent whose horizontal part is no longer than this goes straight up or down: steeper than a micrometre per metre.
 const UPRIGHT: f64 = 1e-6;
@@ -60,6 +60,51 @@ impl Bearing {
         let finite = |rate: f64| if rate.is_finite() { rate } else { 0.0 };
         let [first, second, third] = rates.map(finite);
         Some(Self { along, first, second, third })
+    }
+}
+
+/// Direction θ of the path about one of its points: θ(s + σ) − θ − θ′·σ is at most ½·bend·|σ|² for complex |σ| ≤ radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BearingDisc {
+    /// Largest |σ|, m; it may be infinite.
+    pub radius: f64,
+    /// rad/m².
+    pub bend: f64,
+}
+
+impl BearingDisc {
+    /// Of a direction that turns at a constant rate.
+    pub(super) const EVEN: Self = Self { radius: f64::INFINITY, bend: 0.0 };
+
+    /// Of an arc at `point`.
+    pub(super) fn of_arc(arc: &Arc, point: &BlendedPoint, path: &PathDisc) -> Self {
+        let level = point.first.xy().norm();
+        if arc.plane() == Plane::Xy {
+            // The tangent is (w + i·t·r)·e^(i·t·s) if it turns at the rate t and the radius r grows at the rate w: its angle
+            // is t·s and that of the first factor, log(1 + z) of which is z but for |z|², as long as |z| is at most ½.
+            let length = arc.length();
+            let widening = (arc.end_radius() - arc.radius()) / length;
+            let part = (arc.sweep() / length * widening / level).abs();
+            Self { radius: 0.5 / part, bend: 2.0 * part * part }
+        } else if arc.rise() == 0.0 {
+            // Seen from above it is a straight line, and turns round where it is upright.
+            Self { radius: level / point.second.norm(), bend: 0.0 }
+        } else {
+            Self::of_tangent(point, path)
+        }
+    }
+
+    /// By the tangent: up to half the radius of the path, x′ ± iy′ changes by at most 2·bend·|σ|. As long as this is no
+    /// more than half of it, its logarithm, of which θ is the imaginary part, changes by at most 2·ln 2 times the quotient;
+    /// so much in the largest radius bounds the remainder (Schwarz).
+    pub(super) fn of_tangent(point: &BlendedPoint, path: &PathDisc) -> Self {
+        let bend = path.bend.x + path.bend.y;
+        let level = point.first.xy().norm();
+        if level <= UPRIGHT {
+            return Self { radius: 0.0, bend: 0.0 };
+        }
+        let radius = (0.5 * path.radius).min(0.25 * level / bend);
+        Self { radius, bend: 16.0 * LN_2 * bend / (level * radius) }
     }
 }
 

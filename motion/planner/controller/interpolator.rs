@@ -164,7 +164,8 @@ where
     /// Records what the motion under way has done until `until`.
     pub(super) fn record_until(&mut self, until: impl FnOnce(&Run) -> f64) {
         if let (Some((pieces, turning)), Some(run)) = (&mut self.record, &mut self.run) {
-            run.record(until(run), *turning, |piece| pieces.push_back(piece));
+            let heading = turning.then(|| self.bearing.latest.unwrap_or_default());
+            run.record(until(run), heading, |piece| pieces.push_back(piece));
         }
     }
 

@@ -62,10 +62,11 @@ impl Run {
     }
 
     /// Calls `record` with the pieces of the motion up to `until`, s after its start, that it has not been called with.
+    /// `heading`: as [`BlendedElement::programmed`] has it.
     pub(super) fn record(
         &mut self,
         until: f64,
-        turning: bool,
+        heading: Option<f64>,
         mut record: impl FnMut(PlannedPiece),
     ) {
         let (parts, offset, duration) = match self.motion {
@@ -80,7 +81,7 @@ impl Run {
         let element = self
             .recorded
             .0
-            .get_or_insert_with(|| Arc::new(BlendedElement::programmed(element.clone(), turning)));
+            .get_or_insert_with(|| Arc::new(BlendedElement::programmed(element.clone(), heading)));
         let ends = parts.iter().skip(1).map(|(begin, ..)| *begin).chain([duration]);
         for ((begin, position, law), end) in parts.iter().zip(ends) {
             let (first, last) = (begin.max(from), end.min(until));

@@ -324,11 +324,13 @@ impl Extremes {
         }
     }
 
-    /// What the velocities change across an edge of the reach is a step.
+    /// What the velocities change across an edge of the reach is a step; so is what they do not explain of the positions.
     fn step(&mut self, from: &Node, to: &Node) {
         for (index, axis) in self.axes.iter_mut().take(from.position.len()).enumerate() {
-            let change = (to.rates[0][index] - from.rates[0][index]).abs();
-            axis.step.include(change, from.time);
+            let [first, last] = [from, to].map(|node| node.rates[0][index]);
+            let between = (to.position[index] - from.position[index]) / (to.time - from.time);
+            let changes = [last - first, between - first, between - last].map(f64::abs);
+            axis.step.include(changes.into_iter().fold(0.0, f64::max), from.time);
         }
     }
 

@@ -49,15 +49,20 @@ fn examine(path: &impl AxisPath, shape: Shape, piece: &Piece) -> (Extremes, Blen
 /// Samples of a piece.
 const SAMPLES: u32 = 4_000;
 
-/// No sample is above what is found, and what is found is not above all samples by more than they can miss.
+/// No sample is above what is found, and what is found is so at its time.
 fn holds(path: &impl AxisPath, shape: Shape, kind: u8, speed: f64) {
     let piece = &piece(kind, shape.length(), speed);
     let (found, element) = examine(path, shape, piece);
     check(found.is_proven, "proven");
     let mut near = path.home();
     let mut sampled = [AxisExtremes::default(); 3];
-    for sample in 0..=SAMPLES {
-        let time = piece.duration * f64::from(sample) / f64::from(SAMPLES);
+    let samples =
+        (0..=SAMPLES).map(|sample| piece.duration * f64::from(sample) / f64::from(SAMPLES));
+    let of =
+        |axis: &AxisExtremes| [axis.velocity, axis.acceleration, axis.jerk].map(|most| most.at);
+    let mut times: Vec<_> = samples.chain(found.axes.iter().flat_map(of)).collect();
+    times.sort_by(f64::total_cmp);
+    for time in times {
         let (state, jerk) = piece.at(time);
         let point = path.axes(&element, state.position, &near).unwrap();
         near = point.position;

@@ -110,15 +110,14 @@ impl<K: Kinematics> AxisPath for KinematicPath<K> {
         let point = element.at(s);
         let bearing = element.bearing(s, &point).unwrap_or_default();
         let pose = Pose { position: point.position, direction: bearing.along };
-        let path = element.disc(s);
+        let (path, turn) = (element.disc(s), element.bearing_disc(s, &point));
         self.kinematics.disc(&ToolDisc {
             pose,
             rate: point.first,
             bend: path.bend,
             turn_rate: bearing.first,
-            // Along lines and arcs the direction is linear; along other curves this is an estimate.
-            turn_bend: 2.0 * bearing.second.abs(),
-            radius: within(path.radius, element),
+            turn_bend: turn.bend,
+            radius: within(path.radius, element).min(turn.radius),
         })
     }
 }
