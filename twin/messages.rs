@@ -3,8 +3,9 @@
 use crate::bridge::Bridge;
 use crate::finding::{Finding, Rule, Severity};
 use crate::tolerance::ROUNDING;
+use nalgebra::Vector3;
 use std::collections::BTreeSet;
-use twin_kinematics::KinematicsError;
+use twin_kinematics::{KinematicsError, ReachOf};
 use twin_machine::axis_couplings::AxesError;
 use twin_machine::{Axis, Machine};
 use twin_path::Place;
@@ -83,6 +84,18 @@ pub(crate) fn starts_on_tappets(
     finding
 }
 
+/// Half of what is shown of a length, m.
+const ROUNDED: f64 = 5e-5;
+
+/// Advice to move the part, m, machine frame. Coordinates are rounded to 0.1 mm, and it is moved no less for that.
+pub(crate) fn move_part(by: &Vector3<f64>) -> String {
+    let by = by + by.map(|way| if way.abs() > ROUNDED { ROUNDED.copysign(way) } else { 0.0 });
+    let coordinates = ["X", "Y", "Z"].into_iter().zip(by.iter());
+    let moved = coordinates.filter(|(_, way)| way.abs() > ROUNDED);
+    let moved: Vec<_> = moved.map(|(name, way)| format!("{name}{:+.1}", way * 1e3)).collect();
+    format!("move the part by {} mm", moved.join(" "))
+}
+
 /// A set-point that the kinematics refuses.
 pub(crate) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
     let (rule, what) = match error {
@@ -91,9 +104,14 @@ pub(crate) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
     };
     let finding = Finding::error(rule, place, format!("{what}: {error}"));
     match error {
-        KinematicsError::Unreachable { distance, reach: [near, far], .. } => {
-            let limit = if distance < near { near } else { far };
-            finding.with_value(distance * 1e3, limit * 1e3, "mm")
+        KinematicsError::Unreachable { target, of, distance, reach: [near, far] } => {
+            let limit = if *distance < *near { *near } else { *far };
+            let mut finding = finding.with_value(distance * 1e3, limit * 1e3, "mm");
+            let outwards = Vector3::new(target[0], target[1], 0.0).try_normalize(0.0);
+            if let (ReachOf::Arms, Some(outwards)) = (of, outwards) {
+                finding.hint = Some(move_part(&(outwards * (limit - distance))));
+            }
+            finding
         }
         _ => finding,
     }

@@ -97,26 +97,20 @@ pub(super) fn turns_at_once(mut finding: Finding) -> Finding {
     finding
 }
 
-/// A velocity (rad/s or m/s) that changes by `value` at once where the path turns by `angle`, rad, or rests; below `feed`,
-/// m/s, it does not change by more than `limit`.
-pub(super) fn steps(
+/// A velocity (rad/s or m/s) that changes by `value` at once where the path turns by `angle`, rad; below `feed`, m/s, it does
+/// not change by more than `limit`.
+pub(super) fn steps_at_corner(
     axis: &Axis,
     place: Place,
     value: f64,
     limit: f64,
-    angle: Option<f64>,
-    feed: Option<f64>,
+    angle: f64,
+    feed: f64,
 ) -> Finding {
     let mut finding = step(axis, place, value, limit);
-    let why = match angle {
-        Some(angle) => {
-            let angle = twin_number::significant(angle.to_degrees(), 3);
-            format!("the path turns by {angle}° without a stop")
-        }
-        None => "the path starts or ends here".to_owned(),
-    };
-    finding.message = format!("{}: {why}", finding.message);
-    finding.largest_feed_mm_per_s = feed.map(|feed| feed * 1e3);
+    let angle = twin_number::significant(angle.to_degrees(), 3);
+    finding.message = format!("{}: the path turns by {angle}° without a stop", finding.message);
+    finding.largest_feed_mm_per_s = Some(feed * 1e3);
     finding
 }
 
@@ -124,14 +118,7 @@ pub(super) fn steps(
 pub(super) fn steps_at_edge(axis: &Axis, place: Place, value: f64, limit: f64) -> Finding {
     let mut finding = step(axis, place, value, limit);
     finding.message = format!("{}: the tool is at an edge of the reach", finding.message);
-    finding.hint = Some("keep the path away from there; a lower feed does not help".to_owned());
     finding
-}
-
-/// Hint where an axis is overloaded with every feed.
-pub(super) fn no_feed_helps() -> String {
-    "no lower feed helps here: accelerate less along the path, plan within the limits of the axes (--limits axes), or move the part"
-        .to_owned()
 }
 
 /// A plan by F and E alone that overloads an axis, as `worst` says.

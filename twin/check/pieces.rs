@@ -3,13 +3,13 @@
 use super::findings::{About, Findings};
 use super::messages;
 use crate::finding::Finding;
-use crate::limit::MachinePath;
-use crate::messages::{beyond_position, unreachable};
+use crate::limit::{MachinePath, Trial};
+use crate::messages::{beyond_position, move_part, unreachable};
 use crate::peak::AxisPeak;
 use crate::tolerance::exceeds;
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
-use twin_kinematics::{AxisVector, MAX_AXES};
+use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, Pose};
 use twin_machine::{Axis, DirectionRule, Machine};
 use twin_number::seconds;
 use twin_path::Place;
@@ -69,6 +69,22 @@ pub(super) struct PieceCheck<'m> {
     feeds: bool,
 }
 
+/// The floor below which nothing is of interest.
+const NOTHING: Floor = Floor {
+    position: [f64::NEG_INFINITY, f64::INFINITY],
+    velocity: f64::INFINITY,
+    acceleration: f64::INFINITY,
+    deceleration: None,
+    jerk: f64::INFINITY,
+};
+/// Places of an element among which the one nearest to the edge of the reach is looked for.
+const PLACES: u32 = 64;
+/// Distance over which the way from the edge is found, m.
+const SLIGHTLY: f64 = 1e-6;
+/// Moves of the part that are tried, and how exact the answer is, m.
+const MOVES: [f64; 9] = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
+const LEAST_MOVE: f64 = 1e-5;
+
 /// An element under way, with the findings that a lower feed may cure: which, is known at its end.
 #[derive(Debug)]
 struct Open {
@@ -95,6 +111,8 @@ enum Quantity {
     Velocity,
     Acceleration,
     Deceleration,
+    /// Of the velocity at once, at an edge of the reach: no feed helps.
+    Step,
 }
 
 /// A piece with what is known of it.
@@ -176,13 +194,15 @@ impl<'m> PieceCheck<'m> {
             let edge = examined.extremes.axes.get(index).map_or(0.0, |found| found.step.value);
             let limit = self.step_limit(index);
             if exceeds(edge, limit) {
-                report(messages::steps_at_edge(axis, place, edge, limit));
+                let finding = messages::steps_at_edge(axis, place, edge, limit);
+                open.wrong.push(Wrong { axis: index, quantity: Quantity::Step, limit, finding });
             }
             if let Some(jumps) = &jumps {
                 self.jump(&examined, jumps, index, peak, &mut report);
             }
             if !lost {
-                self.step(self.last.as_ref(), Some(&examined), index, peak, &mut report);
+                let ends = (self.last.as_ref(), Some(&examined));
+                self.step(ends, index, peak, &mut open.wrong, &mut report);
             }
         }
         let [_, end] = examined.extremes.ends;
@@ -215,11 +235,15 @@ impl<'m> PieceCheck<'m> {
     /// The path comes to rest after the last piece.
     fn rest(&mut self, peaks: &mut [AxisPeak], findings: &mut Findings) {
         let Some(last) = self.last.take() else { return };
+        let mut wrong = Vec::new();
         for (index, peak) in peaks.iter_mut().enumerate() {
             if !self.sampled.get(index).copied().unwrap_or_default() {
                 let mut report = |finding| findings.add(Some(About::Axis(index)), finding);
-                self.step(Some(&last), None, index, peak, &mut report);
+                self.step((Some(&last), None), index, peak, &mut wrong, &mut report);
             }
+        }
+        if let Some(open) = &mut self.open {
+            open.wrong.append(&mut wrong);
         }
     }
 
@@ -230,7 +254,7 @@ impl<'m> PieceCheck<'m> {
             if self.feeds && findings.has_room(wrong.finding.severity) {
                 wrong.finding.largest_feed_mm_per_s = self.largest_feed(&open, &wrong);
                 if wrong.finding.largest_feed_mm_per_s.is_none() {
-                    wrong.finding.hint = Some(messages::no_feed_helps());
+                    wrong.finding.hint = Some(self.remedy(&open, &wrong));
                 }
             }
             if open.element.rapid()
@@ -360,10 +384,10 @@ impl<'m> PieceCheck<'m> {
     /// is none.
     fn step(
         &self,
-        last: Option<&Last>,
-        next: Option<&Examined<'_>>,
+        (last, next): (Option<&Last>, Option<&Examined<'_>>),
         index: usize,
         peak: &mut AxisPeak,
+        wrong: &mut Vec<Wrong>,
         report: &mut dyn FnMut(Finding),
     ) {
         let Some(axis) = self.machine.axes.get(index) else { return };
@@ -382,22 +406,20 @@ impl<'m> PieceCheck<'m> {
             (None, None) => Place::default(),
         };
         let limit = self.step_limit(index);
-        let moving = next.map_or(0.0, |next| next.planned.piece.at(0.0).0.velocity);
-        if exceeds(velocity, limit)
-            && moving < LITTLE * next.map_or(0.0, |next| next.planned.element.feed())
-        {
-            report(messages::steps_at_edge(axis, place(start.is_some()), velocity.abs(), limit));
-        } else if exceeds(velocity, limit) {
-            let place = place(start.is_some());
-            let (angle, feed) = match (last, next) {
-                (Some(last), Some(Examined { planned, .. })) => {
+        if exceeds(velocity, limit) {
+            let (place, value) = (place(start.is_some()), velocity.abs());
+            match (last, next) {
+                (Some(last), Some(Examined { planned, .. })) if passes(planned) => {
                     let direction = tangent(&planned.element, &planned.piece, 0.0);
-                    let feed = moving * limit / velocity.abs();
-                    (Some(last.tangent.angle(&direction)), Some(feed))
+                    let feed = planned.piece.at(0.0).0.velocity * limit / value;
+                    let angle = last.tangent.angle(&direction);
+                    report(messages::steps_at_corner(axis, place, value, limit, angle, feed));
                 }
-                _ => (None, None),
-            };
-            report(messages::steps(axis, place, velocity.abs(), limit, angle, feed));
+                _ => {
+                    let finding = messages::steps_at_edge(axis, place, value, limit);
+                    wrong.push(Wrong { axis: index, quantity: Quantity::Step, limit, finding });
+                }
+            }
         }
         let jerk = acceleration.abs() / seconds(self.machine.cycle_ns);
         let place = place(of(start, 1).abs() >= of(before, 1).abs());
@@ -413,6 +435,7 @@ impl<'m> PieceCheck<'m> {
         let power = match wrong.quantity {
             Quantity::Velocity => 1.0,
             Quantity::Acceleration | Quantity::Deceleration => 0.5,
+            Quantity::Step => return None,
         };
         // Where the value goes with a power of the feed, this finds it at once.
         let mut above = open.fastest;
@@ -450,40 +473,134 @@ impl<'m> PieceCheck<'m> {
     /// The value with a `feed` (m/s) on the element.
     fn value(&self, open: &Open, wrong: &Wrong, feed: f64) -> Option<f64> {
         let Wrong { axis, quantity, limit, .. } = *wrong;
-        let element = &open.element;
-        let rates = [element.acceleration(), element.deceleration()];
-        let pieces = trapezoid(element.length(), open.ends, feed, rates);
-        let none = Floor {
-            position: [f64::NEG_INFINITY, f64::INFINITY],
-            velocity: f64::INFINITY,
-            acceleration: f64::INFINITY,
-            deceleration: None,
-            jerk: f64::INFINITY,
-        };
-        let mut floors = [none; MAX_AXES];
-        let floor = floors.get_mut(axis)?;
-        let own = self.machine.axes.get(axis)?.own_deceleration();
-        floor.deceleration = own.map(|_| f64::INFINITY);
         let little = LITTLE * limit;
+        let mut floor = self.nothing(axis)?;
         match quantity {
             Quantity::Velocity => floor.velocity = little,
             Quantity::Acceleration => floor.acceleration = little,
             Quantity::Deceleration => floor.deceleration = Some(little),
+            Quantity::Step => {}
         }
-        let examiner = Examiner::new(&self.path, seconds(self.machine.cycle_ns));
-        let mut largest = 0.0_f64;
+        let found = self.extremes(&self.path, open, (axis, floor), feed)?;
+        Some(match quantity {
+            Quantity::Velocity => found.velocity.value,
+            Quantity::Acceleration => found.acceleration.value,
+            Quantity::Deceleration => found.deceleration.value,
+            Quantity::Step => found.step.value,
+        })
+    }
+
+    /// The floor of an axis of which nothing is of interest.
+    fn nothing(&self, axis: usize) -> Option<Floor> {
+        let own = self.machine.axes.get(axis)?.own_deceleration();
+        Some(Floor { deceleration: own.map(|_| f64::INFINITY), ..NOTHING })
+    }
+
+    /// What one axis does above its floor, with a `feed` (m/s) on the element.
+    fn extremes(
+        &self,
+        path: &MachinePath<'_>,
+        open: &Open,
+        (axis, floor): (usize, Floor),
+        feed: f64,
+    ) -> Option<AxisExtremes> {
+        let element = &open.element;
+        let rates = [element.acceleration(), element.deceleration()];
+        let pieces = trapezoid(element.length(), open.ends, feed, rates);
+        let mut floors = [NOTHING; MAX_AXES];
+        *floors.get_mut(axis)? = floor;
+        let examiner = Examiner::new(path, seconds(self.machine.cycle_ns));
+        let mut largest = AxisExtremes::default();
         let mut near = open.near;
         for piece in pieces.iter().filter(|piece| piece.duration >= SAME_TIME) {
             let found = examiner.examine(element, piece, &near, &floors).ok()?;
             near = found.ends[1].position;
             let found = found.axes.get(axis)?;
-            largest = largest.max(match quantity {
-                Quantity::Velocity => found.velocity.value,
-                Quantity::Acceleration => found.acceleration.value,
-                Quantity::Deceleration => found.deceleration.value,
-            });
+            for (most, one) in [
+                (&mut largest.velocity, found.velocity),
+                (&mut largest.acceleration, found.acceleration),
+                (&mut largest.deceleration, found.deceleration),
+                (&mut largest.step, found.step),
+            ] {
+                if one.value > most.value {
+                    *most = one;
+                }
+            }
         }
         Some(largest)
+    }
+
+    /// Remedies for a value that no lower feed cures.
+    fn remedy(&self, open: &Open, wrong: &Wrong) -> String {
+        let mut ways = Vec::new();
+        let other = match self.machine.dimensions.get("elbow").and_then(|elbow| elbow.as_str()) {
+            Some("high") => "low",
+            _ => "high",
+        };
+        if self.machine.kind.starts_with("scara") && self.cures(open, wrong.axis, Trial::Mirrored) {
+            ways.push(format!("use the other elbow (`elbow = \"{other}\"` in [kinematics])"));
+        }
+        if let Some(by) = self.move_inwards(open, wrong.axis) {
+            ways.push(move_part(&by));
+        }
+        let programmed = self.slack == super::CONTROLLER;
+        if programmed && !matches!(wrong.quantity, Quantity::Step) {
+            ways.push("plan within the limits of the axes (--limits axes)".to_owned());
+        }
+        if ways.is_empty() {
+            ways.push("keep the path away from here".to_owned());
+        }
+        format!("no lower feed helps here: {}", ways.join(", or "))
+    }
+
+    /// By how much the part must move away from the edge of the reach, m, machine frame, for an axis to keep its limits along the
+    /// element with its feed.
+    fn move_inwards(&self, open: &Open, axis: usize) -> Option<Vector3<f64>> {
+        let margin = |position: Vector3<f64>, direction: f64| {
+            let pose = Pose { position: position.into(), direction };
+            self.machine.kinematics.margins(&pose).map_or(f64::NAN, |margins| margins.boundary)
+        };
+        let places = (0..=PLACES).map(|part| {
+            let s = open.element.length() * f64::from(part) / f64::from(PLACES);
+            let Pose { position, direction } = self.path.pose(&open.element, s);
+            (margin(position.coords, direction), position.coords, direction)
+        });
+        let (least, place, direction) = places.min_by(|one, other| one.0.total_cmp(&other.0))?;
+        let slope = |index: usize| {
+            let mut near = place;
+            near[index] += SLIGHTLY;
+            margin(near, direction) - least
+        };
+        let inwards = Vector3::new(slope(0), slope(1), slope(2)).try_normalize(0.0)?;
+        let cures = |way: &f64| self.cures(open, axis, Trial::Moved(inwards * *way));
+        let mut enough = MOVES.into_iter().find(cures)?;
+        let mut less = 0.0;
+        while enough - less > LEAST_MOVE {
+            let middle = enough.midpoint(less);
+            if cures(&middle) { enough = middle } else { less = middle }
+        }
+        Some(inwards * enough)
+    }
+
+    /// True if an axis keeps its limits along the element, with its feed, under a trial.
+    fn cures(&self, open: &Open, axis: usize, trial: Trial) -> bool {
+        let Some((of, floor)) = self.machine.axes.get(axis).zip(self.nothing(axis)) else {
+            return false;
+        };
+        let floor = Floor {
+            velocity: of.max_velocity,
+            acceleration: of.max_acceleration,
+            deceleration: of.own_deceleration(),
+            ..floor
+        };
+        let path = MachinePath::without_motors(self.machine).under(trial);
+        let found = self.extremes(&path, open, (axis, floor), open.fastest);
+        found.is_some_and(|found| {
+            found.velocity.value <= EXACT * floor.velocity
+                && found.acceleration.value <= EXACT * floor.acceleration
+                && floor.deceleration.is_none_or(|most| found.deceleration.value <= EXACT * most)
+                && found.step.value <= self.step_limit(axis)
+        })
     }
 }
 
@@ -505,6 +622,11 @@ impl Open {
             wrong: Vec::new(),
         }
     }
+}
+
+/// True if the path moves where the piece begins.
+fn passes(planned: &PlannedPiece) -> bool {
+    planned.piece.at(0.0).0.velocity >= LITTLE * planned.element.feed()
 }
 
 /// Direction of the path `time` s after the begin of a piece.

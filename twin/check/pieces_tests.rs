@@ -126,3 +126,36 @@ fn a_circle_that_touches_the_edge_of_the_reach_steps() {
     let b = 2.0 * 0.632_5 * 1.2_f64.to_degrees();
     near(&values(&outcome, Rule::AxisVelocityStep), &[("A", b * 200.0 / 450.0), ("B", b)], 2e-3);
 }
+
+/// Where no feed helps, the part moved by what the message says does, and by 0.1 mm less does not.
+#[test]
+fn a_part_moved_as_advised_fits() {
+    let program = |moved: f64| {
+        let [start, end] = [300.0, 450.0].map(|x| x + moved);
+        format!("% stretched\nN10 G92 X{start:.6} Y0 Z20\nN20 F100 E1000 E-1000\nN30 G1 X{end:.6}\n")
+    };
+    let outcome = checked(SCARA2, &program(0.0));
+    let hints = outcome.findings.iter().map(|finding| finding.hint.as_deref().unwrap());
+    let moves = hints.map(|hint| {
+        let (_, way) = hint.split_once("move the part by X").unwrap();
+        way.strip_suffix(" mm").unwrap().parse::<f64>().unwrap()
+    });
+    // That of the axis that needs more.
+    let moved = moves.fold(0.0, f64::min);
+    assert!(moved < -1.0, "{moved}");
+    assert_eq!(checked(SCARA2, &program(moved)).findings, []);
+    assert!(!checked(SCARA2, &program(moved + 0.1)).findings.is_empty());
+}
+
+/// The other elbow is advised where it helps.
+#[test]
+fn the_other_elbow_fits_where_it_is_advised() {
+    let [low, high] = ["low", "high"].map(|elbow| format!("elbow = \"{elbow}\""));
+    let other = SCARA2.replacen(&low, &high, 1);
+    let program = "% elbow\nN10 G92 X300 Y0 Z20\nN20 G1 X330 Y40 F50 E8000 E-500\n";
+    let outcome = checked(SCARA2, program);
+    assert!(outcome.findings.iter().any(|finding| {
+        finding.hint.as_ref().is_some_and(|hint| hint.contains(&high)) && finding.axis.is_some()
+    }));
+    assert_eq!(checked(&other, program).findings, []);
+}

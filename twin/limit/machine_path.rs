@@ -1,6 +1,7 @@
 //! Machine model for time-optimal planning: transform from the program's frame to the axes, and their limits.
 
 use super::slaves::Slaves;
+use nalgebra::{Point3, Vector3};
 use std::cell::RefCell;
 use twin_kinematics::{
     AxisDisc, AxisMotion, AxisSource, AxisVector, Kinematics, KinematicsError, Pose, ToolDisc,
@@ -55,6 +56,35 @@ pub struct MachinePath<'m> {
     /// The axes whose motors are limited.
     motors: Vec<usize>,
     slaves: Slaves,
+    trial: Trial,
+}
+
+/// A trial of what would be if the part or the machine were different.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Trial {
+    /// As they are.
+    #[default]
+    None,
+    /// The part moved by this, machine frame, m.
+    Moved(Vector3<f64>),
+    /// A SCARA with its other elbow: its axes are as fast as those of this one on the path mirrored about x.
+    Mirrored,
+}
+
+impl Trial {
+    fn vector(self, vector: Vector3<f64>) -> Vector3<f64> {
+        if self == Self::Mirrored { Vector3::new(vector.x, -vector.y, vector.z) } else { vector }
+    }
+
+    fn angle(self, angle: f64) -> f64 {
+        if self == Self::Mirrored { -angle } else { angle }
+    }
+
+    fn pose(self, pose: Pose) -> Pose {
+        let moved = if let Self::Moved(by) = self { by } else { Vector3::zeros() };
+        let position = Point3::from(self.vector(pose.position.coords) + moved);
+        Pose { position, direction: self.angle(pose.direction) }
+    }
 }
 
 impl<'m> MachinePath<'m> {
@@ -85,6 +115,7 @@ impl<'m> MachinePath<'m> {
             dynamics,
             motors,
             slaves: Slaves::of(machine),
+            trial: Trial::None,
         })
     }
 
@@ -96,7 +127,21 @@ impl<'m> MachinePath<'m> {
             dynamics: None,
             motors: Vec::new(),
             slaves: Slaves::of(machine),
+            trial: Trial::None,
         }
+    }
+
+    /// The same under a trial.
+    pub(crate) fn under(self, trial: Trial) -> Self {
+        Self { trial, ..self }
+    }
+
+    /// The tool at `s` of `element`, machine frame.
+    pub(crate) fn pose(&self, element: &BlendedElement, s: f64) -> Pose {
+        let point = element.at(s);
+        let [direction, ..] = self.direction(element, s, &point);
+        self.trial
+            .pose(self.machine.frame.pose_to_machine(&Pose { position: point.position, direction }))
     }
 
     /// Positions of the axes without the slaves of gears and cams.
@@ -260,9 +305,18 @@ impl AxisPath for MachinePath<'_> {
             direction_acceleration,
         };
         let work_jerk = ToolJerk { linear: third, direction: direction_jerk };
-        let frame = &self.machine.frame;
+        let (frame, trial) = (&self.machine.frame, self.trial);
         let jerk = frame.jerk_to_machine(&work, &work_jerk);
+        let jerk =
+            ToolJerk { linear: trial.vector(jerk.linear), direction: trial.angle(jerk.direction) };
         let motion = frame.motion_to_machine(&work);
+        let motion = ToolMotion {
+            pose: trial.pose(motion.pose),
+            velocity: trial.vector(motion.velocity),
+            acceleration: trial.vector(motion.acceleration),
+            direction_velocity: trial.angle(motion.direction_velocity),
+            direction_acceleration: trial.angle(motion.direction_acceleration),
+        };
         let near = self.slaves.without(near);
         let mut point = axis_point(&*self.machine.kinematics, &motion, &jerk, &near)?;
         if let Some(extra) = &extra {
@@ -275,7 +329,7 @@ impl AxisPath for MachinePath<'_> {
     /// That of additional axes counts; what slaves on cams do is not known.
     fn disc(&self, element: &BlendedElement, s: f64, _point: &AxisPoint) -> Option<AxisDisc> {
         let (point, path) = (element.at(s), element.disc(s));
-        let [direction, turn_rate, ..] = self.direction(element, s, &point);
+        let [_, turn_rate, ..] = self.direction(element, s, &point);
         let mut radius = within(path.radius, element);
         let turn_bend = match self.machine.direction {
             DirectionRule::Fixed(_) => 0.0,
@@ -289,13 +343,12 @@ impl AxisPath for MachinePath<'_> {
             }
         };
         let frame = &self.machine.frame;
-        let pose = frame.pose_to_machine(&Pose { position: point.position, direction });
         let turned = frame.machine_from_work().rotation.to_rotation_matrix();
         let disc = self.machine.kinematics.disc(&ToolDisc {
-            pose,
-            rate: frame.vector_to_machine(&point.first),
+            pose: self.pose(element, s),
+            rate: self.trial.vector(frame.vector_to_machine(&point.first)),
             bend: turned.matrix().abs() * path.bend,
-            turn_rate,
+            turn_rate: self.trial.angle(turn_rate),
             turn_bend,
             radius,
         });

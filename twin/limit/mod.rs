@@ -41,6 +41,7 @@ pub use controller::ControllerProfile;
 pub use csv::ProfileCsv;
 pub use json::LimitReport;
 pub use lines::{LineShare, write_lines};
+pub(crate) use machine_path::Trial;
 pub use machine_path::{AxisRules, MachinePath, MachinePathError};
 pub use picture::Picture;
 pub use plan::{LimitFailure, LimitRules, Profile, ProfileItem};
