@@ -58,6 +58,7 @@ mod tune_start;
 mod tune_tappets;
 mod tuning;
 mod urdf;
+mod verdict;
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
