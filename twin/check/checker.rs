@@ -338,7 +338,7 @@ fn turning_axes(machine: &Machine) -> Vec<bool> {
 }
 
 /// Which axes follow no path: all of a job, and the slaves of the machine's gears and cams.
-fn free_axes(machine: &Machine, is_job: bool) -> Vec<bool> {
+pub(super) fn free_axes(machine: &Machine, is_job: bool) -> Vec<bool> {
     let slave = |index| machine.couplings.iter().any(|coupling| coupling.axis == index);
     (0..machine.axes.len()).map(|index| is_job || slave(index)).collect()
 }

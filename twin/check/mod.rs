@@ -22,6 +22,7 @@ mod options;
 mod pieces;
 #[cfg(test)]
 mod pieces_tests;
+mod plan_check;
 mod programmed_plan;
 mod rehearsal;
 mod run_findings;
@@ -46,6 +47,7 @@ use findings::About;
 use following::FollowingBeside;
 pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
 pub use options::{CheckFailure, CheckOptions};
+pub(crate) use plan_check::PlanCheck;
 use rehearsal::Rehearsal;
 pub use run_findings::{faults_to_come, following_errors, happening, happenings};
 use std::collections::BTreeSet;
@@ -59,6 +61,18 @@ use twin_physics::MotorLoad;
 /// within the limits of the axes by what may happen between the places at which these are asked for.
 const CONTROLLER: [f64; 3] = [1.0; 3];
 const WITHIN_AXES: [f64; 3] = [1.001, 1.001, 1.05];
+
+fn slack(limits: Limits) -> [f64; 3] {
+    match limits {
+        Limits::Programmed => CONTROLLER,
+        Limits::Axes => WITHIN_AXES,
+    }
+}
+
+/// How fast rapids are that the machine file and not the program says, m/s.
+fn rapids(machine: &Machine, program: &ProgramFile) -> Option<f64> {
+    (program.dialect() == Dialect::Rs274).then_some(machine.conditions.rs274.rapid_velocity)
+}
 
 /// Result of a check.
 #[derive(Clone, Debug, Default)]
@@ -158,12 +172,7 @@ fn checked(
     (progress, watch): Watchers<'_>,
 ) -> Result<Outcome, CheckFailure> {
     let CheckOptions { limits, physics, scenario, acknowledge, drives: _, continues } = options;
-    let slack = match limits {
-        Limits::Programmed => CONTROLLER,
-        Limits::Axes => WITHIN_AXES,
-    };
-    let rapids =
-        (program.dialect() == Dialect::Rs274).then_some(machine.conditions.rs274.rapid_velocity);
+    let (slack, rapids) = (slack(limits), rapids(machine, program));
     let is_job = program.dialect() == Dialect::Job;
     let mut checker = Checker::new(machine, rapids, slack, is_job);
     checker.continue_from(continues);

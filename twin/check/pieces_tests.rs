@@ -132,7 +132,9 @@ fn a_circle_that_touches_the_edge_of_the_reach_steps() {
 fn a_part_moved_as_advised_fits() {
     let program = |moved: f64| {
         let [start, end] = [300.0, 450.0].map(|x| x + moved);
-        format!("% stretched\nN10 G92 X{start:.6} Y0 Z20\nN20 F100 E1000 E-1000\nN30 G1 X{end:.6}\n")
+        format!(
+            "% stretched\nN10 G92 X{start:.6} Y0 Z20\nN20 F100 E1000 E-1000\nN30 G1 X{end:.6}\n"
+        )
     };
     let outcome = checked(SCARA2, &program(0.0));
     let hints = outcome.findings.iter().map(|finding| finding.hint.as_deref().unwrap());

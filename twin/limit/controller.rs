@@ -10,9 +10,10 @@ use crate::program::{ProgramFile, ProgramItem, Setpoints};
 use crate::setpoint::Transformer;
 use crate::tolerance::is_hidden;
 use twin_kinematics::{AxisMotion, AxisVector};
-use twin_machine::Machine;
+use twin_machine::{DirectionRule, Machine};
 use twin_number::seconds;
 use twin_planner::controller::{Status, ToolSetpoint};
+use twin_planner::planned_motion::PlannedPiece;
 
 /// The part of the programmed velocity from which on it counts as reached.
 const AT_FEED: f64 = 0.98;
@@ -42,8 +43,10 @@ impl<'m> ControllerProfile<'m> {
     /// # Errors
     /// If it cannot be opened, or the masses of the machine make no sense.
     pub fn new(program: &ProgramFile, machine: &'m Machine) -> Result<Self, LimitFailure> {
+        let mut setpoints = program.open(machine, Acknowledgement::default())?;
+        setpoints.record(matches!(machine.direction, DirectionRule::Path(..)));
         Ok(Self {
-            setpoints: program.open(machine, Acknowledgement::default())?,
+            setpoints,
             transformer: Transformer::new(machine),
             axes: MachinePath::new(machine, AxisRules::default())?,
             factor: program.settings().inputs.override_factor.factor(),
@@ -59,6 +62,11 @@ impl<'m> ControllerProfile<'m> {
     /// Bytes of the file read so far.
     pub fn bytes_read(&self) -> u64 {
         self.setpoints.bytes_read()
+    }
+
+    /// The next piece of the plan that is over.
+    pub(crate) fn next_piece(&mut self) -> Option<PlannedPiece> {
+        self.setpoints.next_piece()
     }
 
     /// `None` if the machine cannot go there.

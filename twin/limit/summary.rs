@@ -143,6 +143,8 @@ impl LineLoss {
 #[derive(Clone, Debug, Default)]
 pub struct Summing<'m> {
     axes: &'m [Axis],
+    /// Axes whose peaks are those of the samples; of the others, while the path moves, they are those of its pieces.
+    free: Vec<bool>,
     summary: LimitSummary,
     shares: BTreeMap<Option<Binding>, BindingShare>,
     losses: Losses,
@@ -168,6 +170,18 @@ impl<'m> Summing<'m> {
         Self { axes, summary, ..Self::default() }
     }
 
+    /// Peaks of the axes so far.
+    pub fn peaks(&mut self) -> &mut [AxisPeak] {
+        &mut self.summary.peaks
+    }
+
+    /// With peaks of the samples for the axes that are `free` of the path only; those of the others are taken from pieces of
+    /// the plan.
+    #[must_use]
+    pub fn by_pieces(self, free: Vec<bool>) -> Self {
+        Self { free, ..self }
+    }
+
     /// With every line in the summary, not only those that lose most.
     #[must_use]
     pub fn with_every_line(self) -> Self {
@@ -181,14 +195,18 @@ impl<'m> Summing<'m> {
             let at = of(&sample.position);
             let [low, high] = peak.position.unwrap_or([at; 2]);
             peak.position = Some([low.min(at), high.max(at)]);
+            if let Some(effort) = &sample.effort {
+                peak.effort.get_or_insert_default().include(of(effort), sample.place);
+            }
+            let follows = !self.free.get(index).copied().unwrap_or(true);
+            if follows && sample.path_velocity > 0.0 {
+                continue;
+            }
             let (velocity, acceleration) = (of(&sample.velocity), of(&sample.acceleration));
             peak.velocity.include(velocity, sample.place);
             let slows = axis.slows(velocity, acceleration, 0.0);
             peak.include_acceleration(axis, slows, acceleration, sample.place);
             peak.jerk.include(of(&sample.jerk), sample.place);
-            if let Some(effort) = &sample.effort {
-                peak.effort.get_or_insert_default().include(of(effort), sample.place);
-            }
         }
         match self.before.replace(*sample) {
             None => (self.begin_ns, self.begin) = (sample.time_ns, sample.way),

@@ -35,6 +35,8 @@ const TOLERANCE: f64 = 1e-6;
 const WIDE: f64 = 1e4;
 /// Intervals of a piece about whose axes nothing is known but their derivatives.
 const SAMPLED: u32 = 16;
+/// Where a blend ends or begins derivatives step; those of a piece are looked at so far within it, as a part of its length.
+const INSIDE: f64 = 1e-9;
 /// Turns of rotary axes are followed in at most so many steps.
 const TURN_STEPS: f64 = 16.0;
 
@@ -134,6 +136,8 @@ struct Along<'e> {
     element: &'e BlendedElement,
     piece: &'e Piece,
     floors: &'e [Floor],
+    /// From where to where it goes, m.
+    within: [f64; 2],
 }
 
 /// Examines pieces of plans on a machine.
@@ -161,7 +165,8 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         near: &AxisVector,
         floors: &[Floor],
     ) -> Result<Extremes, OutOfReach> {
-        let along = Along { element, piece, floors };
+        let within = within(element, piece);
+        let along = Along { element, piece, floors, within };
         let nowhere = Node::resting(*near);
         let axes = [AxisExtremes::default(); MAX_AXES];
         let mut found = Extremes { axes, ends: [nowhere; 2], is_proven: true };
@@ -266,7 +271,9 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
     fn node(&self, along: &Along<'_>, time: f64, near: &AxisVector) -> Result<Node, Obstacle> {
         let Along { element, piece, .. } = *along;
         let (state, jerk) = piece.at(time);
-        let point = self.axes.axes(element, state.position, near).map_err(|error| match error {
+        let [from, to] = along.within;
+        let s = state.position.max(from).min(to);
+        let point = self.axes.axes(element, s, near).map_err(|error| match error {
             KinematicsError::Singular(_) => Obstacle::Edge(time),
             error => Obstacle::Beyond(OutOfReach { at: time, error }),
         })?;
@@ -281,7 +288,7 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
             each(&|d1, d2, _| d1 * a + d2 * v * v),
             each(&|d1, d2, d3| d1 * jerk + 3.0 * d2 * v * a + d3 * v * v * v),
         ];
-        let disc = self.axes.disc(element, state.position, &point).map(|disc| {
+        let disc = self.axes.disc(element, s, &point).map(|disc| {
             let [time, way] = piece.law.time_for(&state, jerk, disc.radius);
             // By Schwarz's lemma the axes change by no more than this part within it.
             let part = if disc.radius > 0.0 { way / disc.radius } else { 0.0 };
@@ -433,6 +440,19 @@ impl Extremes {
         }
         true
     }
+}
+
+/// From where to where a piece goes, m. At the ends of blends it is a little less.
+fn within(element: &BlendedElement, piece: &Piece) -> [f64; 2] {
+    let [from, to] = [0.0, piece.duration].map(|time| piece.at(time).0.position);
+    let length = element.length();
+    let inside = INSIDE * (to - from);
+    let at_blend = |s: f64| {
+        let inner = element.breaks().filter(|at| *at > 0.0 && *at < length);
+        inner.into_iter().any(|at| (at - s).abs() <= INSIDE * length)
+    };
+    let by = |s: f64| if at_blend(s) { inside } else { 0.0 };
+    [from + by(from), to - by(to)]
 }
 
 /// A velocity up to this is 0, m/s or rad/s.

@@ -5,11 +5,12 @@ mod outputs;
 
 use super::options::{MachineOption, ReadOptions, expect_path, plans_without_inputs, unreadable};
 use super::{Failure, Status, show};
+use crate::check::PlanCheck;
 use crate::command::atomic_file;
 use crate::command::atomic_file::{AtomicFile, unwritable};
 use crate::command::progress::ProgressLines;
 use crate::finding;
-use crate::finding::Finding;
+use crate::finding::{Finding, Rule};
 use crate::limit::{
     AxisRules, ControllerProfile, LimitFailure, LimitReport, LimitRules, LimitSummary, Limits,
     Profile, ProfileItem, Summing, Windows, write_lines, write_summary,
@@ -23,6 +24,7 @@ use std::path::PathBuf;
 use twin_gcode::refeed::LineLimit;
 use twin_machine::Machine;
 use twin_machine::text;
+use twin_planner::planned_motion::PlannedPiece;
 
 /// Plan a program as fast as all limits of the machine allow: which limit holds it back, where, and what it costs
 ///
@@ -131,6 +133,16 @@ impl Arguments {
         !self.without.contains(&limit)
     }
 
+    /// False if what a rule is about is switched off.
+    fn counts(&self, rule: Rule) -> bool {
+        match rule {
+            Rule::AxisVelocity => self.has(Limit::AxisVelocity),
+            Rule::AxisAcceleration | Rule::AxisVelocityStep => self.has(Limit::AxisAcceleration),
+            Rule::AxisJerk => self.has(Limit::AxisJerk),
+            _ => true,
+        }
+    }
+
     /// The machine, without what of it is switched off.
     fn machine(&self) -> Result<Machine, Failure> {
         let mut machine = self.machine.load()?;
@@ -191,7 +203,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     arguments.check_for(&program)?;
     arguments.check_targets(&program)?;
     let mut outputs = Outputs::new(&machine, &arguments.output)?;
-    let mut job = Job::new(&machine, &program)?;
+    let mut job = Job::new(&machine, &program, arguments.limits)?;
     if arguments.lines.is_some() {
         job.summing = std::mem::take(&mut job.summing).with_every_line();
     }
@@ -199,13 +211,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Limits::Axes => {
             let profile = Profile::new(&program, &machine, arguments.rules()?);
             let mut profile = profile.map_err(|failure| failed(&program, failure))?;
-            job.follow(&mut profile, Profile::bytes_read, &mut outputs)?;
+            profile.record();
+            let (read, piece) = (Profile::bytes_read, Profile::next_piece);
+            job.follow(&mut profile, (read, piece), &mut outputs)?;
             job.within_axes(profile)
         }
         Limits::Programmed => {
             let profile = ControllerProfile::new(&program, &machine);
             let mut profile = profile.map_err(|failure| failed(&program, failure))?;
-            job.follow(&mut profile, ControllerProfile::bytes_read, &mut outputs)?;
+            let (read, piece) = (ControllerProfile::bytes_read, ControllerProfile::next_piece);
+            job.follow(&mut profile, (read, piece), &mut outputs)?;
             (job.by_controller()?, Vec::new())
         }
     };
@@ -217,6 +232,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         file.finish()?;
     }
     let mut findings = job.findings;
+    findings.retain(|finding| arguments.counts(finding.rule));
     if summary.length <= 0.0 && !finding::unfit(&findings) {
         findings.push(finding::nothing_moves());
     }
@@ -268,23 +284,30 @@ struct Job<'a> {
     /// How far planning has come.
     progress: Progress,
     summing: Summing<'a>,
+    check: PlanCheck<'a>,
     findings: Vec<Finding>,
 }
 
 impl<'a> Job<'a> {
-    fn new(machine: &'a Machine, program: &'a ProgramFile) -> Result<Self, Failure> {
+    fn new(
+        machine: &'a Machine,
+        program: &'a ProgramFile,
+        limits: Limits,
+    ) -> Result<Self, Failure> {
         let progress =
             Progress::of(program).map_err(|source| unreadable(program.path(), source))?;
         let factor = program.settings().inputs.override_factor.factor();
-        let summing = Summing::under(&machine.axes, factor);
-        Ok(Self { machine, program, progress, summing, findings: Vec::new() })
+        let check = PlanCheck::new(machine, program, limits);
+        let summing = Summing::under(&machine.axes, factor).by_pieces(check.free().to_vec());
+        Ok(Self { machine, program, progress, summing, check, findings: Vec::new() })
     }
 
-    /// Takes all of a profile, of which `read` gives the bytes of the program read so far.
+    /// Takes all of a profile, of which `read` gives the bytes of the program read so far, and `piece` the next piece that is
+    /// planned.
     fn follow<P: Iterator<Item = ProfileItem>>(
         &mut self,
         profile: &mut P,
-        read: fn(&P) -> u64,
+        (read, piece): (fn(&P) -> u64, fn(&mut P) -> Option<PlannedPiece>),
         outputs: &mut Outputs<'_>,
     ) -> Result<(), Failure> {
         let bar = self.progress.bar();
@@ -292,6 +315,9 @@ impl<'a> Job<'a> {
         let mut lines = ProgressLines::new(format!("limiting {}", self.program.path().display()));
         let (mut line, mut countdown) = (0, 0u32);
         while let Some(item) = profile.next() {
+            while let Some(piece) = piece(profile) {
+                self.check.take(&piece, self.summing.peaks());
+            }
             match item {
                 ProfileItem::Sample(sample) => {
                     line = line.max(sample.place.line.into());
@@ -311,6 +337,10 @@ impl<'a> Job<'a> {
                 1000
             });
         }
+        while let Some(piece) = piece(profile) {
+            self.check.take(&piece, self.summing.peaks());
+        }
+        self.check.finish(self.summing.peaks(), &mut self.findings);
         bar.finish_and_clear();
         Ok(())
     }
@@ -330,10 +360,11 @@ impl<'a> Job<'a> {
 
     /// The summary of the controller's own profile, next to that within the limits of the axes.
     fn by_controller(&mut self) -> Result<LimitSummary, Failure> {
-        let mut axes = Job::new(self.machine, self.program)?;
+        let mut axes = Job::new(self.machine, self.program, Limits::Axes)?;
         let profile = Profile::new(self.program, self.machine, LimitRules::default());
         let mut profile = profile.map_err(|failure| failed(self.program, failure))?;
-        axes.follow(&mut profile, Profile::bytes_read, &mut Outputs::default())?;
+        let (read, piece) = (Profile::bytes_read, Profile::next_piece);
+        axes.follow(&mut profile, (read, piece), &mut Outputs::default())?;
         let (within_axes, limits) = axes.within_axes(profile);
         let lines = by_line(&limits);
         let summing = std::mem::take(&mut self.summing);
