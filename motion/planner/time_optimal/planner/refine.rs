@@ -15,9 +15,11 @@ use twin_path::prepare::CheckedElement;
 const GRADE: f64 = 0.06;
 /// Cells that take no more than this, s, are not cut for the sake of time: in shorter cells rounding would drown their jerks.
 pub(super) const SHORTEST: f64 = 4.0 * LEAST_TIME;
-/// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
-/// constant.
+/// The first and last cell of a path between stops take at most so long, s, and at most a quarter of the whole: there the jerk
+/// is constant.
 const LAUNCH: f64 = 8e-3;
+/// But no less than this, s.
+const SHORTEST_LAUNCH: f64 = 2.0 * LEAST_TIME;
 /// Steps of the grid that is first solved on where jerks are limited, in steps of the one that counts.
 const COARSE: f64 = 4.0;
 /// Least number of steps between stops.
@@ -124,13 +126,20 @@ where
             let mut refined = Vec::with_capacity(2 * count);
             self.budget.looked(count);
             let mut cut = false;
+            let launch = LAUNCH.min(0.25 * duration);
+            let times = b.windows(2).zip(&self.cells);
+            let times = times.map(|(pair, cell)| time(pair, cell.length(), self.jerk_limited));
+            let times: Vec<f64> = times.collect();
+            let cells = b.windows(2).zip(&times);
+            let fastest =
+                [reached(cells.clone(), 2.0 * launch), reached(cells.rev(), 2.0 * launch)];
             // Time since the path rested, and until it will.
             let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
             let mut left = if self.stops() { duration } else { f64::INFINITY };
             let mut known = std::mem::take(&mut self.cells).into_iter().enumerate();
             while let Some((index, cell)) = known.next() {
                 let pair = b.get(index..index + 2).unwrap_or_default();
-                let takes = time(pair, cell.length(), self.jerk_limited);
+                let takes = times.get(index).copied().unwrap_or_default();
                 let fine = graded(step, since.min(left));
                 since += takes;
                 left -= takes;
@@ -148,12 +157,7 @@ where
                 let mut at = if rest == [false; 2] {
                     cuts(pair, takes, fine)
                 } else {
-                    rest_cuts(
-                        cell.length(),
-                        rest,
-                        grid.rest_rates(index),
-                        LAUNCH.min(0.25 * duration),
-                    )
+                    rest_cuts(cell.length(), rest, grid.rest_rates(index), fastest, launch)
                 };
                 if few && at.is_empty() {
                     at.push(0.5);
@@ -306,17 +310,47 @@ pub(super) fn time(pair: &[f64], length: f64, jerk_limited: bool) -> f64 {
     parts * length / (from.sqrt() + to.sqrt())
 }
 
-/// Where to cut a cell that begins or ends at rest, as parts of its length: after what is gone in `time` with the whole of the
-/// jerk limit, or until the acceleration is what it may be. What is left of it is cut like others. `limits`: acceleration and
-/// jerk of the parameter at its start and its end.
-fn rest_cuts(length: f64, rest: [bool; 2], limits: [[f64; 2]; 2], time: f64) -> Vec<f64> {
-    let [first, last] = limits.map(|[acceleration, jerk]| {
+/// The largest b within the first `left` s of `cells`, which are b at their ends and their times. The last of these cells counts
+/// as a whole.
+fn reached<'a>(cells: impl Iterator<Item = (&'a [f64], &'a f64)>, mut left: f64) -> f64 {
+    let mut most = 0.0;
+    for (pair, takes) in cells {
+        most = pair.iter().copied().fold(most, f64::max);
+        left -= takes;
+        if left <= 0.0 {
+            break;
+        }
+    }
+    most
+}
+
+/// Where to cut a cell that begins or ends at rest, as parts of its length.
+///
+/// The first part takes `time` with the whole jerk limit. It is shorter where the acceleration reaches its limit earlier, or
+/// the velocity reaches half of the largest one: from there on the acceleration decreases. The rest is cut like other cells.
+///
+/// `limits`: acceleration and jerk of the parameter at its start and its end; `fastest`: the largest u̇² after its start and
+/// before its end.
+fn rest_cuts(
+    length: f64,
+    rest: [bool; 2],
+    limits: [[f64; 2]; 2],
+    fastest: [f64; 2],
+    time: f64,
+) -> Vec<f64> {
+    let launch = |[acceleration, jerk]: [f64; 2], velocity: f64| {
+        let shortest = SHORTEST_LAUNCH.min(time);
         // Where no jerk is limited: that which builds up the acceleration in the time.
-        let jerk = if jerk.is_finite() { jerk } else { acceleration / time };
-        jerk * time.min(acceleration / jerk).powi(3) / 6.0 / length
-    });
+        let build_up = time.min(0.5 * velocity / acceleration).max(shortest);
+        let jerk = if jerk.is_finite() { jerk } else { acceleration / build_up };
+        let time = time.min(acceleration / jerk).min((velocity / jerk).sqrt()).max(shortest);
+        jerk.min(acceleration / time).min(velocity / (time * time)) * time.powi(3) / 6.0 / length
+    };
+    let ([start, end], [after_start, before_end]) = (limits, fastest);
+    let [first, last] = [launch(start, after_start.sqrt()), launch(end, before_end.sqrt())];
     match rest {
-        [true, true] => vec![first.min(0.25), 0.5, 1.0 - last.min(0.25)],
+        // The velocity is not known yet.
+        [true, true] => vec![0.5],
         [true, false] if first < 0.8 => vec![first],
         [false, true] if last < 0.8 => vec![1.0 - last],
         _ => Vec::new(),
