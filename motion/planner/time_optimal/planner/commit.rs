@@ -47,10 +47,15 @@ where
         (end, free)
     }
 
-    /// Time in which the acceleration of the slowest axis builds up, s.
+    /// Time in which the acceleration of the slowest axis builds up, s: A/J, but at most √(2V/J), where a jerk and its opposite
+    /// lead from −V to V. An acceleration that no motion reaches makes no difference.
     pub(super) fn build_up(&self) -> f64 {
         let limits = self.sampler.axes().limits().iter();
-        let times = limits.filter_map(|limits| Some(limits.largest_acceleration() / limits.jerk?));
+        let times = limits.filter_map(|limits| {
+            let jerk = limits.jerk?;
+            let reversal = (2.0 * limits.velocity / jerk).sqrt();
+            Some((limits.largest_acceleration() / jerk).min(reversal))
+        });
         times.fold(0.0, f64::max)
     }
 
