@@ -24,6 +24,10 @@ mod golden;
 #[cfg(test)]
 mod least;
 #[cfg(test)]
+mod lines;
+#[cfg(test)]
+mod looser;
+#[cfg(test)]
 #[path = "../benches/limit/machines.rs"]
 mod machines;
 mod path;

@@ -145,10 +145,22 @@ impl Fineness {
 pub fn planned(
     limits: &[crate::path::Limits],
     jerk: bool,
+    extent: (f64, f64),
+    rates: impl Fn(f64) -> crate::path::Rates,
+    fineness: Fineness,
+) -> Option<(f64, Effort)> {
+    let (segments, effort) = segments(limits, jerk, extent, rates, fineness)?;
+    Some((segments.iter().map(ProfileSegment::duration).sum(), effort))
+}
+
+/// Profile segments of the same plan.
+pub fn segments(
+    limits: &[crate::path::Limits],
+    jerk: bool,
     (end, feed): (f64, f64),
     rates: impl Fn(f64) -> crate::path::Rates,
     Fineness { step, horizon }: Fineness,
-) -> Option<(f64, Effort)> {
+) -> Option<(Vec<ProfileSegment>, Effort)> {
     let limits = limits.iter().map(|limits| AxisLimits {
         velocity: limits.velocity,
         acceleration: limits.acceleration,
@@ -172,11 +184,11 @@ pub fn planned(
         ..LimitOptions::new(BlendOptions::new(0.0))
     };
     let mut planner = Planner::new(path, axes, options);
-    let mut duration = 0.0;
+    let mut segments = Vec::new();
     for part in planner.by_ref() {
         if let Planned::Leg(leg) = part.ok()? {
-            duration += leg.stretch.duration();
+            segments.push(leg.stretch);
         }
     }
-    Some((duration, planner.effort()))
+    Some((segments, planner.effort()))
 }
