@@ -97,18 +97,16 @@ struct Differences {
 }
 
 /// What a run printed, and its exit status.
-struct Printed {
-    status: Option<i32>,
-    stdout: String,
-    stderr: String,
+pub(crate) struct Printed {
+    pub(crate) status: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
 }
 
 impl Case {
-    /// Runs the case in a folder; the error says everything that is wrong.
-    pub(crate) fn check(&self, folder: &Path) -> Result<(), String> {
-        for (name, composed) in &self.files {
-            composed.write(folder, name).map_err(|error| format!("{name}: {error}"))?;
-        }
+    /// Runs the case in a folder, which may be a copy of its `home`; the error says everything that is wrong.
+    pub(crate) fn check(&self, home: &Path, folder: &Path) -> Result<(), String> {
+        self.write_files(home, folder)?;
         for arguments in &self.before {
             let printed = run(folder, arguments, None)?;
             if printed.status != Some(0) {
@@ -117,7 +115,7 @@ impl Case {
         }
         let printed = run(folder, &self.run, self.stdin.as_deref())?;
         let mut wrong = self.texts(&printed);
-        wrong.extend(self.values(folder, &printed)?);
+        wrong.extend(self.values(home, folder, &printed)?);
         if wrong.is_empty() {
             return Ok(());
         }
@@ -127,6 +125,13 @@ impl Case {
             printed.stdout,
             printed.stderr
         ))
+    }
+
+    /// Writes the files that the case needs.
+    pub(crate) fn write_files(&self, home: &Path, folder: &Path) -> Result<(), String> {
+        self.files.iter().try_for_each(|(name, composed)| {
+            composed.write(home, folder, name).map_err(|error| format!("{name}: {error}"))
+        })
     }
 
     /// Exit status and texts that are wrong.
@@ -156,9 +161,9 @@ impl Case {
     }
 
     /// Values that are wrong, on standard output and in written files.
-    fn values(&self, folder: &Path, printed: &Printed) -> Result<Vec<String>, String> {
+    fn values(&self, home: &Path, folder: &Path, printed: &Printed) -> Result<Vec<String>, String> {
         let stdout = &printed.stdout;
-        let read = |name: &str| {
+        let read = |folder: &Path, name: &str| {
             fs::read_to_string(folder.join(name)).map_err(|error| format!("{name}: {error}"))
         };
         let mut wrong: Vec<_> =
@@ -167,7 +172,7 @@ impl Case {
             compare::json_lines(expected, stdout, self.tolerance, &self.tolerances)
         };
         if let Some(name) = &self.stdout {
-            let expected = read(name)?;
+            let expected = read(home, name)?;
             wrong.extend(if Path::new(name).extension().is_some_and(|ending| ending == "csv") {
                 compare::csv(&expected, stdout, self.tolerance)
             } else {
@@ -176,14 +181,14 @@ impl Case {
         }
         wrong.extend(self.expected.as_deref().into_iter().flat_map(json));
         if let Some(name) = &self.moves {
-            let bytes = fs::read(folder.join(name)).map_err(|error| format!("{name}: {error}"))?;
+            let bytes = fs::read(home.join(name)).map_err(|error| format!("{name}: {error}"))?;
             wrong.extend(canonical::compare(&String::from_utf8_lossy(&bytes), stdout)?);
         }
         for differences in &self.differences {
-            wrong.extend(differences.wrong(&read(&differences.file)?)?);
+            wrong.extend(differences.wrong(&read(folder, &differences.file)?)?);
         }
         for [one, other] in &self.equal_but_feeds {
-            let (one_text, other_text) = (read(one)?, read(other)?);
+            let (one_text, other_text) = (read(folder, one)?, read(folder, other)?);
             if without_feeds(&one_text) != without_feeds(&other_text) {
                 wrong.push(format!(
                     "{one} and {other} differ in more than F words:\n{one_text}\n{other_text}"
@@ -195,10 +200,10 @@ impl Case {
 }
 
 impl Composed {
-    fn write(&self, folder: &Path, name: &str) -> std::io::Result<()> {
+    fn write(&self, home: &Path, folder: &Path, name: &str) -> std::io::Result<()> {
         let mut text = String::new();
         for from in &self.from {
-            text += &fs::read_to_string(folder.join(word(from)))?;
+            text += &fs::read_to_string(home.join(word(from)))?;
         }
         for [from, to] in &self.replace {
             text = text.replace(from, &to.replace("{folder}", &folder.to_string_lossy()));
@@ -256,7 +261,11 @@ impl Differences {
 }
 
 /// Runs `twin` in a folder.
-fn run(folder: &Path, arguments: &[String], stdin: Option<&str>) -> Result<Printed, String> {
+pub(crate) fn run(
+    folder: &Path,
+    arguments: &[String],
+    stdin: Option<&str>,
+) -> Result<Printed, String> {
     let mut child = Command::new(process::BINARY)
         .args(arguments.iter().map(|argument| word(argument)))
         .current_dir(folder)
@@ -331,7 +340,7 @@ fn every_case_of_tests_data() {
         if case.source.len() < 20 {
             return Err("`source` does not say where the expected values come from".to_owned());
         }
-        case.check(folder)
+        case.check(folder, folder)
     };
     let failures: Vec<_> = folders
         .iter()

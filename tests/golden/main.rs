@@ -2,7 +2,8 @@
 //!
 //! Every folder of `tests/data` is a case: `case.toml` says what to run, with which exit status it must end, what it
 //! must print, and, always, where the expected values come from. Paths are relative to the folder; `machines/` and
-//! `examples/` at the beginning of an argument are those of the workspace.
+//! `examples/` at the beginning of an argument are those of the workspace. `cases.toml` has the same keys for the folders
+//! of `../shared/cases`.
 
 #![allow(
     clippy::expect_used,
@@ -34,6 +35,7 @@ mod job_cams;
 mod job_steps;
 mod limit;
 mod machine;
+mod modbus;
 mod motors;
 mod net;
 mod path;
