@@ -60,6 +60,10 @@ impl TwoArms {
     /// With w = r², dβ/dw = −1/√(o·i), and α is the direction to the wrist less an angle with the derivative
     /// ½ + (L2² − L1²)/2w by β.
     pub(super) fn disc(&self, wrist: &Square, most: f64) -> (f64, [f64; 2]) {
+        if wrist.rate == 0.0 && wrist.bend == 0.0 {
+            // It stays where it is, and so do the arms, at an edge of the reach as well.
+            return (most, [0.0; 2]);
+        }
         let w = wrist.size * wrist.size;
         let (outer, inner) = (self.outer_squared - w, w - self.inner_squared);
         let room = DISC * outer.min(inner).min(w);

@@ -441,6 +441,9 @@ impl<'m> PieceCheck<'m> {
         let mut above = open.fastest;
         let mut below = 0.0;
         for _ in 0..TRIES {
+            if above < LEAST_PART * open.fastest {
+                return None;
+            }
             let value = self.value(open, wrong, above)?;
             let next = above * (wrong.limit / value).powf(power).min(1.0);
             if next * (1.0 + SAME) >= above {
@@ -544,7 +547,11 @@ impl<'m> PieceCheck<'m> {
             ways.push(move_part(&by));
         }
         let programmed = self.slack == super::CONTROLLER;
-        if programmed && !matches!(wrong.quantity, Quantity::Step) {
+        let found = self
+            .nothing(wrong.axis)
+            .and_then(|floor| self.extremes(&self.path, open, (wrong.axis, floor), open.fastest));
+        let steps = found.is_none_or(|found| found.step.value > self.step_limit(wrong.axis));
+        if programmed && !steps {
             ways.push("plan within the limits of the axes (--limits axes)".to_owned());
         }
         if ways.is_empty() {

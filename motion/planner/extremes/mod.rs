@@ -239,7 +239,8 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
             if settled {
                 continue;
             }
-            if width <= smallest {
+            // Of very long times not every interval can be halved.
+            if width <= smallest || middle.time <= from.time || middle.time >= to.time {
                 let edge = middle.disc.is_some_and(|(radius, _)| radius < smallest);
                 if edge {
                     return Err(Obstacle::Edge(middle.time));
@@ -338,6 +339,7 @@ impl Extremes {
             let between = (to.position[index] - from.position[index]) / (to.time - from.time);
             let changes = [last - first, between - first, between - last].map(f64::abs);
             axis.step.include(changes.into_iter().fold(0.0, f64::max), from.time);
+            axis.velocity.include(between.abs(), from.time);
         }
     }
 
