@@ -5,7 +5,7 @@ use crate::process::{Desk, number, shipped};
 /// A portal whose axes have 320, 320 and 640 increments per mm, on a board and on a bus.
 fn desk() -> Desk {
     let desk = Desk::new();
-    let board = shipped("machines/gantry3.toml");
+    let board = shipped("tests/data/machines/gantry3.toml");
     desk.write("cover.ngc", &shipped("examples/cover.ngc"));
     desk.write("vice.toml", &shipped("machines/gantry3_vice.toml"));
     desk.write("board.toml", &board);

@@ -178,7 +178,8 @@ fn limits_of_an_axis_can_be_left_out() {
     let desk = Desk::new();
     let duration = |options: &str| {
         let program = "tests/data/bad_axis_velocity/program.cnc";
-        let limit = format!("limit {program} -m machines/scara2.toml --format json {options}");
+        let limit =
+            format!("limit {program} -m tests/data/machines/scara2.toml --format json {options}");
         number(&desk.twin(&limit).ended(0, "").object()["duration_s"])
     };
     let without =

@@ -50,7 +50,7 @@ pub(crate) struct Desk {
 impl Desk {
     pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        let machine = shipped("machines/gantry3.toml");
+        let machine = shipped("tests/data/machines/gantry3.toml");
         let here = "start_mm = [0.0, 0.0, 20.0]";
         assert!(machine.contains(here));
         let desk = Self { folder };
@@ -548,7 +548,7 @@ fn whoever_stops_reading_stops_the_output_without_a_panic() {
 #[test]
 fn an_axis_that_is_lost_in_a_run_is_an_error() {
     let desk = Desk::new();
-    let machine = shipped("machines/scara2.toml");
+    let machine = shipped("tests/data/machines/scara2.toml");
     let weak = machine.replace("max_force_n = 400.0", "max_force_n = 5.0");
     assert_ne!(weak, machine);
     desk.write("weak.toml", &weak);

@@ -17,7 +17,7 @@ use twin_machine::tappets::TappetBits;
 use twin_path::Place;
 
 /// Three linear axes of 320 increments per mm and more, half a millimetre of following error, on a board.
-const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 
 /// A device that is where its plan was this many ns before.
 #[derive(Clone, Debug)]
@@ -197,6 +197,7 @@ fn a_prediction_repeats_itself_and_is_made_only_where_it_is_wanted() {
         assert!(checked(&text, program, false).following.is_none());
     }
     // Without a plan there is nothing to follow.
-    let beyond = checked(include_str!("../../machines/scara2.toml"), "G1 X900 F600\nM2\n", true);
+    let beyond =
+        checked(include_str!("../../tests/data/machines/scara2.toml"), "G1 X900 F600\nM2\n", true);
     assert!(beyond.following.is_none() && !beyond.findings.is_empty());
 }

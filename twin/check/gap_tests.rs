@@ -11,9 +11,9 @@ use twin_machine::Machine;
 use twin_number::seconds;
 
 /// X: 400 mm/s, 3000 mm/s².
-const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 /// A: 240 deg/s, B: 300 deg/s, both 1500 deg/s²; arms of 250 and 200 mm.
-const SCARA2: &str = include_str!("../../machines/scara2.toml");
+const SCARA2: &str = include_str!("../../tests/data/machines/scara2.toml");
 
 /// The example of manual 3.2: the zero-length G1 puts the first position out for a cycle.
 const MANUAL: &str = "% example\nN10 G92 X100 Y100\nN20 G1 X100 Y100 F100 E1000 E-1000\nN30 G92 X50 Y100\nN40 G1 X60\n";

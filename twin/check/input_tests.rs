@@ -10,7 +10,7 @@ use twin_machine::Machine;
 use twin_number::seconds;
 use twin_planner::controller::XDirection;
 
-const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 
 fn checked(text: &str, settings: ReadSettings) -> Outcome {
     let machine = Machine::parse(Path::new("machine.toml"), GANTRY3).unwrap();

@@ -5,9 +5,9 @@ use super::tests::checked;
 use crate::finding::{Finding, Rule};
 
 /// X and Y: 3000 mm/s², which is 3 mm/s in a cycle.
-const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 /// Arms of 250 and 200 mm; A: 1500 deg/s², B: 2500 deg/s².
-const SCARA2: &str = include_str!("../../machines/scara2.toml");
+const SCARA2: &str = include_str!("../../tests/data/machines/scara2.toml");
 
 /// The values of a rule by axis, in deg or mm.
 fn values(outcome: &Outcome, rule: Rule) -> Vec<(&str, f64)> {

@@ -13,9 +13,9 @@ use twin_machine::Machine;
 use twin_number::seconds;
 
 /// Start at 0, 0, 20; X: 400 mm/s, 3000 mm/s², to 650 mm; Z: 200 mm/s.
-const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 /// Start at 300, 0, 20; arms of 250 and 200 mm; A: 240 deg/s, B: 300 deg/s.
-const SCARA2: &str = include_str!("../../machines/scara2.toml");
+const SCARA2: &str = include_str!("../../tests/data/machines/scara2.toml");
 
 fn edited(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "{from} is not in the file");

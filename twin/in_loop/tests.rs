@@ -14,7 +14,7 @@ use twin_kinematics::{AxisMotion, AxisVector};
 use twin_machine::Machine;
 
 /// Three linear axes of 320 increments per mm.
-const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 
 const CYCLE: f64 = 1e-3;
 
@@ -220,8 +220,8 @@ fn checked_on(machine: &Machine, program: &str) -> Outcome {
 #[test]
 fn arms_rods_and_belts_are_as_near_as_their_rounds_allow() {
     let shipped = [
-        include_str!("../../machines/scara2.toml"),
-        include_str!("../../machines/tripod.toml"),
+        include_str!("../../tests/data/machines/scara2.toml"),
+        include_str!("../../tests/data/machines/tripod.toml"),
         include_str!("../../machines/gantry_h2.toml"),
     ];
     let program = "G91\nG1 X12 Y6 F3000\nG2 X8 Y8 I8 J0 F2400\nG1 X-20 Y-14 F3000\nM2\n";

@@ -6,7 +6,7 @@ use super::*;
 use twin_machine::Machine;
 
 const GANTRY_H2: &str = include_str!("../../machines/gantry_h2.toml");
-const TRIPOD: &str = include_str!("../../machines/tripod.toml");
+const TRIPOD: &str = include_str!("../../tests/data/machines/tripod.toml");
 
 /// All axes of a machine without viscous friction, or with forces of other motors.
 fn all(text: &str, edits: &[(&str, &str)]) -> Machine {

@@ -12,8 +12,8 @@ use twin_machine::Machine;
 use twin_physics::motion_effort;
 
 /// With X bridge 18, carriage 6, quill 3, tool 0.3 and rotor 6 kg move; with Z the quill, the tool and a rotor of 3 kg.
-pub(super) const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
-const SCARA2: &str = include_str!("../../machines/scara2.toml");
+pub(super) const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
+const SCARA2: &str = include_str!("../../tests/data/machines/scara2.toml");
 
 pub(super) fn edited(text: &str, edits: &[(&str, &str)]) -> Machine {
     let mut text = text.to_owned();
@@ -180,7 +180,10 @@ fn no_motor_of_a_scara_gives_more_than_it_can() {
         ("max_torque_nm = 50.0", "max_torque_nm = 4.0"),
         ("max_force_n = 400.0", "max_force_n = 36.0"),
     ];
-    let jerk = ("# max_jerk_deg_per_s3 = 60000.0", "max_jerk_deg_per_s3 = 60000.0");
+    let jerk = (
+        "max_acceleration_deg_per_s2 = 1500.0",
+        "max_acceleration_deg_per_s2 = 1500.0\nmax_jerk_deg_per_s3 = 60000.0",
+    );
     let jerk_of_b = (
         "max_acceleration_deg_per_s2 = 2500.0",
         "max_acceleration_deg_per_s2 = 2500.0\nmax_jerk_deg_per_s3 = 90000.0",

@@ -8,7 +8,7 @@ use std::path::Path;
 use twin_machine::Machine;
 
 fn gantry(gears: &str) -> Machine {
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/machines/gantry3.toml");
     let text = std::fs::read_to_string(shipped).unwrap();
     let mut machine = Machine::parse(Path::new("gantry3.toml"), &[&text, gears].concat()).unwrap();
     for axis in &mut machine.axes {
@@ -77,7 +77,7 @@ fn on_cam(cam: &str, keys: &str) -> Machine {
     let folder = tempfile::tempdir().unwrap();
     let head = "name = \"cam\"\nmaster = { min = 0, max = 120, unit = \"mm\" }\nslave = { min = 0, max = 400, unit = \"mm\" }\n";
     std::fs::write(folder.path().join("cam.toml"), [head, cam].concat()).unwrap();
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/machines/gantry3.toml");
     let text = std::fs::read_to_string(shipped).unwrap();
     let cams = format!("\n[[cams]]\naxis = \"Y\"\nmaster = \"X\"\ncam = \"cam.toml\"\n{keys}");
     let path = folder.path().join("gantry3.toml");

@@ -11,7 +11,7 @@ use std::path::Path;
 use twin_machine::Machine;
 
 /// X: 400 mm/s, 3000 mm/s².
-const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 
 fn summary_of(
     machine: &Machine,

@@ -15,7 +15,7 @@ fn root() -> PathBuf {
 
 /// X: 400 mm/s, 3000 mm/s². Its jerk is limited here, too.
 fn gantry() -> Machine {
-    let text = std::fs::read_to_string(root().join("machines/gantry3.toml")).unwrap();
+    let text = std::fs::read_to_string(root().join("tests/data/machines/gantry3.toml")).unwrap();
     let mut machine = Machine::parse(Path::new("gantry3.toml"), &text).unwrap();
     for axis in &mut machine.axes {
         axis.max_jerk = Some(100.0);
@@ -24,7 +24,7 @@ fn gantry() -> Machine {
 }
 
 fn scara() -> Machine {
-    Machine::load(&root().join("machines/scara2.toml")).unwrap()
+    Machine::load(&root().join("tests/data/machines/scara2.toml")).unwrap()
 }
 
 fn program(name: &str) -> ProgramFile {

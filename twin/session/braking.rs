@@ -83,7 +83,7 @@ mod tests {
     /// Every axis brakes with its deceleration, v / d long and v² / 2d far.
     #[test]
     fn axes_brake_with_their_deceleration() {
-        let text = include_str!("../../machines/gantry3.toml");
+        let text = include_str!("../../tests/data/machines/gantry3.toml");
         let (accelerated, braked) =
             ("max_acceleration_mm_per_s2 = 3000.0", "max_deceleration_mm_per_s2 = 1000.0");
         assert!(text.contains(accelerated));

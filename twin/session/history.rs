@@ -85,7 +85,7 @@ mod tests {
     use std::path::Path;
     use twin_planner::controller::ToolSetpoint;
 
-    const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+    const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 
     /// `cycles` cycles in which X goes 1 mm each, the simulated machine 0.1 mm behind; one line per cycle.
     fn history(machine: &Machine, cycles: u32) -> History {

@@ -10,7 +10,7 @@ use twin_machine::approach::{Approach, Clearance, RELEASE, TOUCH};
 use twin_path::{ElementKind, PathElement, Place, ProbeOutcome, ProbeTrip, Probing};
 
 /// Start at 0, 0, 20; Z from -60 to 120 mm.
-const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 
 /// Jaws with their tops at Z−10, the fixed one from Y−20 to Y0, stock from Z−30 to Z0, 100 × 60 mm; a tool of 6 mm.
 const VICE: &str = include_str!("../../machines/gantry3_vice.toml");

@@ -613,7 +613,7 @@ fn one_mistake_is_one_message() {
         let [one] = found.as_slice() else { panic!("{found:?}") };
         assert!(one.starts_with(said), "{one}");
     }
-    let machine = include_str!("../../../machines/gantry3.toml");
+    let machine = include_str!("../../../tests/data/machines/gantry3.toml");
     let found: Vec<_> = problems(machine).into_iter().map(|(message, _)| message).collect();
     assert_eq!(found, ["this is a machine file, not a cam"]);
 }

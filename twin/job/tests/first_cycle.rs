@@ -1,6 +1,6 @@
 //! Tests of the cycle in which a coupling or a probe begins.
 
-use super::{at, block, job, machine, near, only, run, shipped, virtual_axis};
+use super::{at, block, job, machine, machine_file, near, only, run, virtual_axis};
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity};
 use crate::program::settings::ReadSettings;
@@ -23,7 +23,7 @@ tappets = [
 /// The shipped gantry, on which an axis follows X by a cam, with these keys.
 pub(super) fn coupled_by(axis: &str, keys: &str, cam: &str) -> (TempDir, Machine) {
     let folder = tempfile::tempdir().unwrap();
-    let shipped = std::fs::read_to_string(shipped("gantry3.toml")).unwrap();
+    let shipped = std::fs::read_to_string(machine_file("gantry3.toml")).unwrap();
     let cams = format!("\n[[cams]]\naxis = \"{axis}\"\nmaster = \"X\"\ncam = \"c.toml\"\n{keys}");
     std::fs::write(folder.path().join("c.toml"), cam).unwrap();
     let path = folder.path().join("machine.toml");

@@ -1,11 +1,11 @@
 //! Tests of jobs on machines whose axes are not the coordinates of the tool, against closed forms.
 
-use super::{block, job, near, run, shipped};
+use super::{block, job, machine_file, near, run};
 use crate::setpoint::AxisSetpoint;
 use twin_machine::Machine;
 
 fn load(name: &str) -> Machine {
-    Machine::load(&shipped(name)).unwrap()
+    Machine::load(&machine_file(name)).unwrap()
 }
 
 /// Moves of a job next to a cam.

@@ -24,18 +24,18 @@ use crate::setpoint_source::PlanItem;
 use std::path::{Path, PathBuf};
 use twin_machine::Machine;
 
-fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines").join(name)
+fn machine_file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/machines").join(name)
 }
 
-/// The axes X, Y and Z of the shipped gantry, in mm.
+/// The axes X, Y and Z of the gantry, in mm.
 fn machine() -> Machine {
-    Machine::load(&shipped("gantry3.toml")).unwrap()
+    Machine::load(&machine_file("gantry3.toml")).unwrap()
 }
 
 /// The same with `more` behind its file.
 fn machine_with(more: &str) -> Machine {
-    let path = shipped("gantry3.toml");
+    let path = machine_file("gantry3.toml");
     Machine::parse(&path, &(std::fs::read_to_string(&path).unwrap() + more)).unwrap()
 }
 
