@@ -25,6 +25,7 @@ mod pieces_tests;
 mod plan_check;
 mod programmed_plan;
 mod rehearsal;
+mod remedy;
 mod run_findings;
 #[cfg(test)]
 mod tests;

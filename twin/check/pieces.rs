@@ -3,13 +3,13 @@
 use super::findings::{About, Findings};
 use super::messages;
 use crate::finding::Finding;
-use crate::limit::{MachinePath, Trial};
-use crate::messages::{beyond_position, move_part, unreachable};
+use crate::limit::MachinePath;
+use crate::messages::{beyond_position, unreachable};
 use crate::peak::AxisPeak;
 use crate::tolerance::exceeds;
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
-use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, Pose};
+use twin_kinematics::{AxisVector, MAX_AXES};
 use twin_machine::{Axis, DirectionRule, Machine};
 use twin_number::seconds;
 use twin_path::Place;
@@ -19,7 +19,7 @@ use twin_planner::extremes::{AxisExtremes, Examiner, Extremes, Floor, Node};
 use twin_planner::planned_motion::{Piece, PlannedPiece};
 
 /// Extremes are exact to a millionth; no more than that is above a limit.
-const EXACT: f64 = 1.0 + 2e-6;
+pub(super) const EXACT: f64 = 1.0 + 2e-6;
 /// The same for jerks, which are exact to a thousandth.
 const JERK_EXACT: f64 = 1.0 + 2e-3;
 /// Values below this part of their limits are not looked for between nodes.
@@ -50,8 +50,8 @@ struct Last {
 /// Checker of pieces.
 #[derive(Debug)]
 pub(super) struct PieceCheck<'m> {
-    machine: &'m Machine,
-    path: MachinePath<'m>,
+    pub(super) machine: &'m Machine,
+    pub(super) path: MachinePath<'m>,
     near: AxisVector,
     last: Option<Last>,
     /// Where the last piece ended, work frame, if the tool turns with the path: at corners it does so at once.
@@ -77,29 +77,21 @@ const NOTHING: Floor = Floor {
     deceleration: None,
     jerk: f64::INFINITY,
 };
-/// Places of an element among which the one nearest to the edge of the reach is looked for.
-const PLACES: u32 = 64;
-/// Distance over which the way from the edge is found, m.
-const SLIGHTLY: f64 = 1e-6;
-/// Moves of the part that are tried, and how exact the answer is, m.
-const MOVES: [f64; 9] = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
-const LEAST_MOVE: f64 = 1e-5;
-
 /// An element under way, with the findings that a lower feed may cure: which, is known at its end.
 #[derive(Debug)]
-struct Open {
-    element: Arc<BlendedElement>,
+pub(super) struct Open {
+    pub(super) element: Arc<BlendedElement>,
     near: AxisVector,
     /// Velocities at its start and where it has come to, and the largest, m/s.
     ends: [f64; 2],
-    fastest: f64,
+    pub(super) fastest: f64,
     wrong: Vec<Wrong>,
 }
 
 /// A value above its limit.
 #[derive(Debug)]
-struct Wrong {
-    axis: usize,
+pub(super) struct Wrong {
+    pub(super) axis: usize,
     quantity: Quantity,
     /// SI.
     limit: f64,
@@ -148,6 +140,12 @@ impl<'m> PieceCheck<'m> {
     /// Findings without the feeds that would do.
     pub(super) fn without_feeds(self) -> Self {
         Self { feeds: false, ..self }
+    }
+
+    /// True unless the plan keeps the limits of the axes.
+    pub(super) fn plans_as_programmed(&self) -> bool {
+        let [faster, ..] = self.slack;
+        faster <= 1.0
     }
 
     /// Takes the next piece: its peaks and findings. `rapids`: how fast rapids are, m/s, where the machine file says it.
@@ -375,7 +373,7 @@ impl<'m> PieceCheck<'m> {
     }
 
     /// The largest change of the velocity at once, m/s or rad/s.
-    fn step_limit(&self, index: usize) -> f64 {
+    pub(super) fn step_limit(&self, index: usize) -> f64 {
         let [_, harder, _] = self.slack;
         self.steps.get(index).map_or(f64::INFINITY, |limit| harder * limit)
     }
@@ -494,13 +492,13 @@ impl<'m> PieceCheck<'m> {
     }
 
     /// The floor of an axis of which nothing is of interest.
-    fn nothing(&self, axis: usize) -> Option<Floor> {
+    pub(super) fn nothing(&self, axis: usize) -> Option<Floor> {
         let own = self.machine.axes.get(axis)?.own_deceleration();
         Some(Floor { deceleration: own.map(|_| f64::INFINITY), ..NOTHING })
     }
 
     /// What one axis does above its floor, with a `feed` (m/s) on the element.
-    fn extremes(
+    pub(super) fn extremes(
         &self,
         path: &MachinePath<'_>,
         open: &Open,
@@ -531,83 +529,6 @@ impl<'m> PieceCheck<'m> {
             }
         }
         Some(largest)
-    }
-
-    /// Remedies for a value that no lower feed cures.
-    fn remedy(&self, open: &Open, wrong: &Wrong) -> String {
-        let mut ways = Vec::new();
-        let other = match self.machine.dimensions.get("elbow").and_then(|elbow| elbow.as_str()) {
-            Some("high") => "low",
-            _ => "high",
-        };
-        if self.machine.kind.starts_with("scara") && self.cures(open, wrong.axis, Trial::Mirrored) {
-            ways.push(format!("use the other elbow (`elbow = \"{other}\"` in [kinematics])"));
-        }
-        if let Some(by) = self.move_inwards(open, wrong.axis) {
-            ways.push(move_part(&by));
-        }
-        let programmed = self.slack == super::CONTROLLER;
-        let found = self
-            .nothing(wrong.axis)
-            .and_then(|floor| self.extremes(&self.path, open, (wrong.axis, floor), open.fastest));
-        let steps = found.is_none_or(|found| found.step.value > self.step_limit(wrong.axis));
-        if programmed && !steps {
-            ways.push("plan within the limits of the axes (--limits axes)".to_owned());
-        }
-        if ways.is_empty() {
-            ways.push("keep the path away from here".to_owned());
-        }
-        format!("no lower feed helps here: {}", ways.join(", or "))
-    }
-
-    /// By how much the part must move away from the edge of the reach, m, machine frame, for an axis to keep its limits along the
-    /// element with its feed.
-    fn move_inwards(&self, open: &Open, axis: usize) -> Option<Vector3<f64>> {
-        let margin = |position: Vector3<f64>, direction: f64| {
-            let pose = Pose { position: position.into(), direction };
-            self.machine.kinematics.margins(&pose).map_or(f64::NAN, |margins| margins.boundary)
-        };
-        let places = (0..=PLACES).map(|part| {
-            let s = open.element.length() * f64::from(part) / f64::from(PLACES);
-            let Pose { position, direction } = self.path.pose(&open.element, s);
-            (margin(position.coords, direction), position.coords, direction)
-        });
-        let (least, place, direction) = places.min_by(|one, other| one.0.total_cmp(&other.0))?;
-        let slope = |index: usize| {
-            let mut near = place;
-            near[index] += SLIGHTLY;
-            margin(near, direction) - least
-        };
-        let inwards = Vector3::new(slope(0), slope(1), slope(2)).try_normalize(0.0)?;
-        let cures = |way: &f64| self.cures(open, axis, Trial::Moved(inwards * *way));
-        let mut enough = MOVES.into_iter().find(cures)?;
-        let mut less = 0.0;
-        while enough - less > LEAST_MOVE {
-            let middle = enough.midpoint(less);
-            if cures(&middle) { enough = middle } else { less = middle }
-        }
-        Some(inwards * enough)
-    }
-
-    /// True if an axis keeps its limits along the element, with its feed, under a trial.
-    fn cures(&self, open: &Open, axis: usize, trial: Trial) -> bool {
-        let Some((of, floor)) = self.machine.axes.get(axis).zip(self.nothing(axis)) else {
-            return false;
-        };
-        let floor = Floor {
-            velocity: of.max_velocity,
-            acceleration: of.max_acceleration,
-            deceleration: of.own_deceleration(),
-            ..floor
-        };
-        let path = MachinePath::without_motors(self.machine).under(trial);
-        let found = self.extremes(&path, open, (axis, floor), open.fastest);
-        found.is_some_and(|found| {
-            found.velocity.value <= EXACT * floor.velocity
-                && found.acceleration.value <= EXACT * floor.acceleration
-                && floor.deceleration.is_none_or(|most| found.deceleration.value <= EXACT * most)
-                && found.step.value <= self.step_limit(axis)
-        })
     }
 }
 

@@ -277,6 +277,9 @@ impl Progress {
     }
 }
 
+type BytesRead<P> = fn(&P) -> u64;
+type NextPiece<P> = fn(&mut P) -> Option<PlannedPiece>;
+
 /// A program that is being planned.
 struct Job<'a> {
     machine: &'a Machine,
@@ -307,7 +310,7 @@ impl<'a> Job<'a> {
     fn follow<P: Iterator<Item = ProfileItem>>(
         &mut self,
         profile: &mut P,
-        (read, piece): (fn(&P) -> u64, fn(&mut P) -> Option<PlannedPiece>),
+        (read, piece): (BytesRead<P>, NextPiece<P>),
         outputs: &mut Outputs<'_>,
     ) -> Result<(), Failure> {
         let bar = self.progress.bar();
