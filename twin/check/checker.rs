@@ -293,6 +293,7 @@ impl<'m> Checker<'m> {
         if let Some(pieces) = &mut self.pieces {
             pieces.finish(&mut self.peaks, &mut self.findings, self.rapids);
         }
+        let edge = self.pieces.as_ref().and_then(PieceCheck::nearest_to_edge);
         let (mut findings, findings_left_out) = self.findings.into_list();
         messages::leave_out_consequences(&mut findings);
         messages::leave_out_nearness(&mut findings);
@@ -309,6 +310,7 @@ impl<'m> Checker<'m> {
             end: self.last.map(|last| last.axes.position),
             loads: Vec::new(),
             clearances: Clearances::default(),
+            edge,
             following: None,
             tappets: Switched::default(),
             switch_points: SwitchPoints::default(),

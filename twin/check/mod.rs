@@ -8,6 +8,7 @@ mod collision;
 mod collision_tests;
 #[cfg(test)]
 mod direction_tests;
+mod edge;
 mod findings;
 mod following;
 #[cfg(test)]
@@ -44,6 +45,7 @@ use checker::Checker;
 pub use clearance::{ClearanceCsv, ClearancePicture};
 use collision::Way;
 pub use collision::{BlockClearance, Clearances};
+pub use edge::EdgeDistance;
 use findings::About;
 use following::FollowingBeside;
 pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
@@ -100,6 +102,8 @@ pub struct Outcome {
     pub loads: Vec<MotorLoad>,
     /// Smallest clearances; none if the machine file has no obstacles and no collision check.
     pub clearances: Clearances,
+    /// Smallest distance from the edge of the reach; none if the machine has no such edge, or no path is planned in pieces.
+    pub edge: Option<EdgeDistance>,
     /// Following-error prediction; none if it was not requested, there are no drives, or the machine cannot take a
     /// set-point.
     pub following: Option<PredictedFollowing>,

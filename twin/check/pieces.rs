@@ -1,5 +1,6 @@
 //! Check of the planned motion, piece by piece, instead of at its set-points.
 
+use super::edge::{EdgeDistance, EdgeSearch};
 use super::findings::{About, Findings};
 use super::messages;
 use crate::finding::Finding;
@@ -67,6 +68,7 @@ pub(super) struct PieceCheck<'m> {
     steps: Vec<f64>,
     /// Findings say which feed would do.
     feeds: bool,
+    edge: EdgeSearch<'m>,
 }
 
 /// The floor below which nothing is of interest.
@@ -134,6 +136,7 @@ impl<'m> PieceCheck<'m> {
             sampled,
             steps: machine.axes.iter().map(|axis| axis.velocity_step(cycle)).collect(),
             feeds: true,
+            edge: EdgeSearch::new(machine),
         }
     }
 
@@ -167,6 +170,7 @@ impl<'m> PieceCheck<'m> {
         }
         if !self.open.as_ref().is_some_and(|open| Arc::ptr_eq(&open.element, &planned.element)) {
             self.close(findings, rapids);
+            self.edge.take(&self.path, &planned.element);
         }
         let floors = self.floors(peaks);
         let examiner = Examiner::new(&self.path, seconds(self.machine.cycle_ns));
@@ -217,6 +221,11 @@ impl<'m> PieceCheck<'m> {
             node: end,
             tangent: tangent(&planned.element, &planned.piece, planned.piece.duration),
         });
+    }
+
+    /// The point so far that is nearest to the edge of the reach; none if the machine has no such edge.
+    pub(super) fn nearest_to_edge(&self) -> Option<EdgeDistance> {
+        self.edge.nearest
     }
 
     /// Nothing follows.

@@ -161,3 +161,21 @@ fn the_other_elbow_fits_where_it_is_advised() {
     }));
     assert_eq!(checked(&other, program).findings, []);
 }
+
+/// The reach is 50 mm to 450 mm: a line that passes the first axis at 80 mm, one that ends at √(440² + 50²) mm, and a circle
+/// that touches the edge.
+#[test]
+fn the_distance_from_the_edge_is_the_least_of_all_points() {
+    let line = |x: f64, y: f64| {
+        format!("% line\nN10 G92 X{x} Y-{y} Z20\nN20 F60 E300 E-300\nN30 G1 X{x} Y{y}\nN40 G1 Y0\n")
+    };
+    let circle = "% circle\nN10 G92 X350 Y0 Z20\nN20 F60 E300 E-300\nN30 G3 X350 Y0 I50 J0\n";
+    let end = 450.0 - 440_f64.hypot(50.0);
+    for (program, distance) in [(line(80.0, 90.0), 30.0), (line(440.0, 50.0), end)] {
+        let nearest = checked(SCARA2, &program).edge.unwrap();
+        assert!((nearest.distance - distance * 1e-3).abs() < 1e-5, "{nearest:?} {distance}");
+        assert_eq!(nearest.place.line, 4);
+    }
+    assert!(checked(SCARA2, circle).edge.unwrap().distance < 1e-5);
+    assert_eq!(checked(GANTRY3, &line(80.0, 90.0)).edge, None);
+}

@@ -39,6 +39,9 @@ pub struct CheckReport {
     /// If the machine file says what is in the way.
     #[serde(skip_serializing_if = "Option::is_none")]
     clearance: Option<ClearanceReport>,
+    /// If the reach of the machine has an edge.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    edge_distance: Option<EdgeDistanceReport>,
     /// If the machine file names drives and they are wanted.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted_following: Option<PredictedFollowingReport>,
@@ -80,6 +83,11 @@ impl CheckReport {
                     .collect(),
             ),
             clearance: outcome.clearances.least.map(|least| ClearanceReport::new(machine, &least)),
+            edge_distance: outcome.edge.map(|nearest| EdgeDistanceReport {
+                least_mm: rounded(nearest.distance * 1e3),
+                line: nearest.place.line,
+                block: nearest.place.block,
+            }),
             predicted_following: outcome
                 .following
                 .as_ref()
@@ -91,6 +99,14 @@ impl CheckReport {
             findings_left_out: outcome.findings_left_out,
         }
     }
+}
+
+/// Smallest distance from the edge of the reach.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct EdgeDistanceReport {
+    least_mm: f64,
+    line: u32,
+    block: Option<u32>,
 }
 
 /// Smallest clearance and its parts.

@@ -167,6 +167,7 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
         vice.to_owned(),
         format!("{motors} --limits axes --variables values.toml"),
         "unfit.cnc -m machine.toml".to_owned(),
+        "circles.cnc -m machines/scara2.toml".to_owned(),
         "examples/jobs/flying_shear.toml -m machines/gantry3.toml".to_owned(),
     ]
     .map(|checked| desk.twin(&format!("check {checked} --format json")).object())

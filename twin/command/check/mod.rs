@@ -335,6 +335,10 @@ fn tables(
     if !outcome.loads.is_empty() {
         writeln!(out, "{}", show::loads(machine, &outcome.loads))?;
     }
+    if let Some(nearest) = &outcome.edge {
+        let distance = nearest.distance * 1e3;
+        writeln!(out, "nearest to the edge of the reach: {distance:.2} mm, {}", nearest.place)?;
+    }
     if let Some(least) = &outcome.clearances.least {
         writeln!(out, "{} (as planned)", least.message(machine))?;
     }
