@@ -30,7 +30,9 @@ impl Spline {
         }
         let degree = usize::try_from(entity.degree_of_curve).unwrap_or(0);
         let count = entity.control_points.len();
-        let weights = &entity.weight_values;
+        // The sign of all weights together cancels.
+        let sign = entity.weight_values.first().map_or(1.0, |first| first.signum());
+        let weights: Vec<f64> = entity.weight_values.iter().map(|weight| weight * sign).collect();
         let fits = (1..=MAX_DEGREE).contains(&degree)
             && count > degree
             && entity.knot_values.len() == count + degree + 1

@@ -134,7 +134,7 @@ fn splines() {
     assert_close(length(&quadratic), 85.301_535);
 }
 
-/// A quarter of a circle as a rational spline: approximated, and it says so.
+/// A quarter of a circle as a rational spline: approximated, with a note. The sign of all weights does not matter.
 #[test]
 fn rational_splines() {
     let weight = 0.5_f64.sqrt();
@@ -143,6 +143,8 @@ fn rational_splines() {
     );
     let import = imported(&drawing(&[&spline]));
     assert_eq!(notes(&import), [("SPLINE", Reason::Approximated, 1)]);
+    let negative = spline.replace(" 41 ", " 41 -");
+    assert_eq!(imported(&drawing(&[&negative])), import);
     for element in cuts(&import) {
         for part in [0.0, 0.5, 1.0] {
             let off = element.shape.at(part * element.length()).position.coords.norm() - 0.1;
