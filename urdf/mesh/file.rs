@@ -136,7 +136,8 @@ fn is_binary(bytes: &[u8]) -> bool {
 /// An ASCII STL file with everything in one solid; `None` if it does not begin like one.
 fn ascii(bytes: &[u8]) -> Option<String> {
     let start = bytes.trim_ascii_start();
-    if !start.starts_with(b"solid") || bytes.contains(&0) {
+    let keyword = start.get(..5).unwrap_or_default();
+    if !keyword.eq_ignore_ascii_case(b"solid") || bytes.contains(&0) {
         return None;
     }
     let text = String::from_utf8_lossy(start);

@@ -75,7 +75,8 @@ fn every_format_makes_the_box() {
     for (name, bytes) in [
         ("binary.STL", binary()),
         ("ascii.stl", ascii("solid").into_bytes()),
-        ("named.stl", ascii("  SOLID box of 12".to_lowercase().as_str()).into_bytes()),
+        ("named.stl", ascii("  solid box of 12").into_bytes()),
+        ("CAPITALS.STL", ascii("solid").to_uppercase().into_bytes()),
         ("box.obj", wavefront().into_bytes()),
     ] {
         let mesh = parse(&bytes, name).unwrap_or_else(|error| panic!("{name}: {error}"));
