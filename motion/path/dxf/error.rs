@@ -32,6 +32,16 @@ pub enum DxfReadError {
         /// Largest depth allowed.
         limit: usize,
     },
+    /// A coordinate, an angle or another value of an entity is not a number.
+    #[error(
+        "line {line}: a number must be here, with a point before its decimals, not \"{value}\""
+    )]
+    Number {
+        /// Line of the value.
+        line: u64,
+        /// Its first characters.
+        value: String,
+    },
     /// Values of entities cannot be understood.
     #[error("the drawing's entities cannot be understood")]
     Entities(#[from] ::dxf::DxfError),

@@ -11,8 +11,8 @@ const UNDERSTOOD: [&str; 8] =
 /// Largest number of entity kinds in one file.
 const MOST_KINDS: usize = 256;
 
-/// How far the name of a kind is read.
-const LONGEST_KIND: usize = 32;
+/// Largest number of characters of a word of the file in notes and errors.
+const LONGEST_WORD: usize = 32;
 
 /// The entities of the drawing, or of one of its blocks.
 #[derive(Debug, Default)]
@@ -25,7 +25,7 @@ pub(super) struct Items {
 
 impl Items {
     fn other(&mut self, kind: &str) {
-        let kind: String = kind.chars().take(LONGEST_KIND).collect();
+        let kind = beginning(kind);
         let full = self.others.len() >= MOST_KINDS && !self.others.contains_key(&kind);
         let kind = if full { "other".to_owned() } else { kind };
         *self.others.entry(kind).or_default() += 1;
@@ -106,7 +106,7 @@ pub(super) fn survey(reader: impl BufRead, limit: u64) -> Result<Survey, DxfRead
             surveyor.pair(0, "EOF");
             return Ok(surveyor.survey);
         }
-        surveyor.read(code, &value, line + 1);
+        surveyor.read(code, &value, line + 1)?;
     }
     Err(DxfReadError::Truncated(lines.number))
 }
@@ -122,11 +122,11 @@ impl Surveyor {
         }
     }
 
-    fn read(&mut self, code: i32, value: &str, line: u64) {
+    fn read(&mut self, code: i32, value: &str, line: u64) -> Result<(), DxfReadError> {
         let word = value.trim();
         if code == 0 && word == "SECTION" {
             self.section = Section::Unnamed;
-            return;
+            return Ok(());
         }
         if code == 0 && word == "ENDSEC" {
             if matches!(self.section, Section::Blocks | Section::Entities) {
@@ -135,7 +135,7 @@ impl Surveyor {
             self.finish_layer();
             self.section = Section::Other;
             self.keeping = false;
-            return;
+            return Ok(());
         }
         if self.section == Section::Unnamed && code == 2 {
             self.section = match word {
@@ -148,17 +148,21 @@ impl Surveyor {
             if matches!(self.section, Section::Blocks | Section::Entities) {
                 self.pairs(&[(0, "SECTION"), (2, word)]);
             }
-            return;
+            return Ok(());
         }
         match self.section {
             Section::Header => self.header(code, word),
             Section::Tables => self.table(code, word),
             Section::Blocks | Section::Entities if code == 0 => self.entity(word, line),
             Section::Blocks | Section::Entities if self.keeping && is_geometry(code) => {
+                if !is_name(code) && word.parse::<f64>().is_err() {
+                    return Err(DxfReadError::Number { line, value: beginning(word) });
+                }
                 self.pair(code, word);
             }
             _ => {}
         }
+        Ok(())
     }
 
     fn header(&mut self, code: i32, value: &str) {
@@ -232,6 +236,15 @@ impl Surveyor {
 /// True if a group code belongs to an entity's geometry: not to its handles, its extended data and the like.
 fn is_geometry(code: i32) -> bool {
     matches!(code, 2 | 8 | 10..=59 | 60 | 67 | 70..=79 | 90 | 91 | 210 | 220 | 230)
+}
+
+/// True if the value of a group code of [`is_geometry`] is the name of a block or layer, not a number.
+fn is_name(code: i32) -> bool {
+    matches!(code, 2 | 8)
+}
+
+fn beginning(word: &str) -> String {
+    word.chars().take(LONGEST_WORD).collect()
 }
 
 /// Lines with a bound on all of them together.

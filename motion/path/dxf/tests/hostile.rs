@@ -17,17 +17,24 @@ fn what_is_no_drawing() {
     assert!(matches!(error(cut), DxfReadError::Truncated(_)));
 }
 
-/// The crate ends its list at an entity it cannot read; the others must not go missing without a word.
+/// The crate stops silently at a number that it cannot read; the survey names its line.
 #[test]
-fn entities_that_cannot_be_read_are_no_silent_end() {
-    let text = drawing(&[
-        "LINE 10 0 20 0 11 1 21 0",
-        "LINE 10 zero 20 0 11 1 21 0",
-        "LINE 10 0 20 0 11 1 21 0",
-    ]);
-    let (DxfReadError::Incomplete { .. } | DxfReadError::Entities(_)) = error(&text) else {
-        panic!("{:?}", error(&text));
-    };
+fn values_that_are_not_numbers() {
+    let line = "LINE 10 0 20 0 11 1 21 0";
+    for (entities, number, value) in [
+        (["LINE 10 0,5 20 0 11 1 21 0", line, line], 40, "0,5"),
+        ([line, "LINE 10 0 20 zero 11 1 21 0", line], 52, "zero"),
+        ([line, line, "CIRCLE 62 red 10 0 20 0 40 1mm"], 66, "1mm"),
+    ] {
+        let text = drawing(&entities);
+        assert_eq!(text.lines().nth(number - 1), Some(value));
+        assert_eq!(
+            error(&text).to_string(),
+            format!(
+                "line {number}: a number must be here, with a point before its decimals, not \"{value}\""
+            )
+        );
+    }
 }
 
 #[test]
