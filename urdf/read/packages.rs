@@ -1,5 +1,6 @@
 //! Search paths of the mesh files that URDF names.
 
+use percent_encoding::percent_decode_str;
 use std::path::{Component, Path, PathBuf};
 
 /// Possible paths of a file, the likeliest first. `folder` is that of the URDF.
@@ -7,15 +8,16 @@ use std::path::{Component, Path, PathBuf};
 /// `package://NAME/REST` is REST in the folder that the caller gives for NAME, or in a folder NAME next to the URDF or
 /// next to any folder that it is in; failing that, as much of the end of REST as there is next to the URDF, so that a
 /// URDF may be carried about with its meshes. `file://` and `model://` may be written; other names are relative to the URDF.
+/// URIs are percent-decoded: `%20` is a blank.
 pub(super) fn places(name: &str, folder: &Path, packages: &[(String, PathBuf)]) -> Vec<PathBuf> {
-    if let Some(path) = name.strip_prefix("file://") {
-        return vec![folder.join(path)];
+    let after = |scheme| Some(percent_decode_str(name.strip_prefix(scheme)?).decode_utf8_lossy());
+    if let Some(path) = after("file://") {
+        return vec![folder.join(&*path)];
     }
-    let Some(path) = name.strip_prefix("package://").or_else(|| name.strip_prefix("model://"))
-    else {
+    let Some(path) = after("package://").or_else(|| after("model://")) else {
         return vec![folder.join(name)];
     };
-    let path = Path::new(path);
+    let path = Path::new(&*path);
     let mut parts = path.components();
     let package = match parts.next() {
         Some(Component::Normal(package)) => package.to_os_string(),

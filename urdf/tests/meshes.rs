@@ -170,6 +170,10 @@ fn meshes_are_found() {
         ("package://robots/meshes/box.stl", "ws/robots/meshes/box.stl"),
         ("package://arms/meshes/box.stl", "ws/arms/meshes/box.stl"),
         ("model://arms/meshes/box.stl", "arms/meshes/box.stl"),
+        // URIs are percent-decoded; other names, and a percent sign without two digits, are not.
+        ("package://my%20arms/meshes/a%2fbox.stl", "ws/my arms/meshes/a/box.stl"),
+        ("file://50%/%C3%A4rm%20box.stl", "ws/robots/urdf/50%/ärm box.stl"),
+        ("a%20box.stl", "ws/robots/urdf/a%20box.stl"),
         // Carried about with the URDF: as much of the path as there is.
         ("package://arms/meshes/v2/box.stl", "ws/robots/urdf/v2/box.stl"),
         ("package://arms/meshes/v2/box.stl", "ws/robots/urdf/box.stl"),
