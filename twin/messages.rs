@@ -57,9 +57,8 @@ pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
     }
 }
 
-/// A cam whose elements are not in order of ascending masters. They are sorted, but the author may have meant another
-/// cam.
-pub(crate) fn out_of_order(place: Place, axis: Option<String>, message: &str) -> Finding {
+/// Warning about elements of a cam that are read otherwise than they are written: the author may have meant another cam.
+pub(crate) fn cam_warning(place: Place, axis: Option<String>, message: &str) -> Finding {
     let mut finding = Finding::error(Rule::CamContinuity, place, message.to_owned());
     (finding.severity, finding.axis) = (Severity::Warning, axis);
     finding

@@ -67,7 +67,7 @@ impl<'m> Checker<'m> {
             machine,
             transformer: Transformer::new(machine),
             slack,
-            findings: out_of_order(machine),
+            findings: cam_warnings(machine),
             peaks: vec![AxisPeak::default(); machine.axes.len()],
             last: None,
             start: None,
@@ -320,13 +320,13 @@ impl<'m> Checker<'m> {
     }
 }
 
-/// Elements of the machine file's cams that do not stand by ascending masters: of no line of the program.
-fn out_of_order(machine: &Machine) -> Findings {
+/// Warnings about elements of the machine file's cams: of no line of the program.
+fn cam_warnings(machine: &Machine) -> Findings {
     let mut findings = Findings::default();
     for coupling in &machine.couplings {
-        if let Some(message) = coupling.out_of_order() {
+        for message in coupling.warnings() {
             let axis = machine.axes.get(coupling.axis).map(|axis| axis.name.clone());
-            let finding = crate::messages::out_of_order(Place::default(), axis, message);
+            let finding = crate::messages::cam_warning(Place::default(), axis, message);
             findings.add(Some(About::Axis(coupling.axis)), finding);
         }
     }

@@ -61,9 +61,9 @@ pub(super) trait Called: fmt::Debug + Send {
         false
     }
 
-    /// File, line and number of cam elements that are not in the order of their masters.
-    fn out_of_order(&self) -> Option<&str> {
-        None
+    /// Warnings about the elements of its cam, each with file and line.
+    fn cam_warnings(&self) -> &[String] {
+        &[]
     }
 
     /// Number of the trigger that it waits for.
@@ -99,7 +99,7 @@ pub(super) struct CamStart {
 #[derive(Debug)]
 struct OnCam {
     block: Block<CamIn>,
-    out_of_order: Option<String>,
+    warnings: Vec<String>,
     gain_unsaid: Option<f64>,
 }
 
@@ -124,8 +124,8 @@ impl Called for OnCam {
         self.block.inputs.input.tappet_dead_time_s
     }
 
-    fn out_of_order(&self) -> Option<&str> {
-        self.out_of_order.as_deref()
+    fn cam_warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     fn cam_start(&self) -> Option<CamStart> {
@@ -188,10 +188,10 @@ pub(super) fn set_position(position: f64, relative: bool) -> Box<dyn Called> {
 /// A block whose axis follows a cam, with notes on the cam's file.
 pub(super) fn on_cam(
     inputs: CamIn,
-    out_of_order: Option<String>,
+    warnings: Vec<String>,
     gain_unsaid: Option<f64>,
 ) -> Box<dyn Called> {
-    Box::new(OnCam { block: Block::new(inputs), out_of_order, gain_unsaid })
+    Box::new(OnCam { block: Block::new(inputs), warnings, gain_unsaid })
 }
 
 /// A tappet that has acted.

@@ -366,7 +366,10 @@ fn standing(machine: &Machine, coupling: &Coupling, line: u32) -> Call {
         CoupledBy::Cam(selection) => {
             let CamSelection { table, input, .. } = &**selection;
             // The check reports on its file.
-            ("MC_CamIn", on_cam(CamIn { table: Some(table.clone()), input: *input }, None, None))
+            (
+                "MC_CamIn",
+                on_cam(CamIn { table: Some(table.clone()), input: *input }, Vec::new(), None),
+            )
         }
     };
     let (axis, master) = (coupling.axis, Some(coupling.master));

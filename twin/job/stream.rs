@@ -6,7 +6,7 @@ use super::pace::{Bears, Pace};
 use super::start::starts;
 use super::{Call, read};
 use crate::finding::{Finding, Rule};
-use crate::messages::out_of_order;
+use crate::messages::cam_warning;
 use crate::program::ProgramFile;
 use crate::setpoint::AxisSetpoint;
 use crate::setpoint_source::PlanItem;
@@ -316,16 +316,17 @@ impl<'m> JobSetpoints<'m> {
     }
 }
 
-/// Notes on a block's cam before anything moves: elements that are not in the order of their masters, and a gain in every pass
-/// because the cam is periodic by default. `axes` are names, periods and units.
+/// Notes on a block's cam before anything moves: warnings about its elements, and a gain in every pass because the cam is
+/// periodic by default. `axes` are names, periods and units.
 fn message(
     call: &Call,
     axes: &[(String, Option<f64>, &'static str)],
 ) -> impl Iterator<Item = Finding> {
     let axis = axes.get(call.axis);
     let name = axis.map(|(name, ..)| name.clone());
-    let elements = call.block.out_of_order();
-    let elements = elements.map(|shown| out_of_order(call.place(), name.clone(), shown));
+    let warnings = call.block.cam_warnings().iter();
+    let shown = name.clone();
+    let warnings = warnings.map(move |text| cam_warning(call.place(), shown.clone(), text));
     let gain = call.block.gain_unsaid().map(|gain| {
         let message = format!(
             "`periodic` is missing, so the cam repeats: the slave gains {} {} in every pass",
@@ -336,7 +337,7 @@ fn message(
         note.hint = Some("`periodic = false` has the slave stay at the end of the cam".to_owned());
         note
     });
-    elements.into_iter().chain(gain)
+    warnings.chain(gain)
 }
 
 impl Iterator for JobSetpoints<'_> {

@@ -42,8 +42,8 @@ pub struct CamSelection {
     pub table: CamTable,
     /// Inputs of `MC_CamIn`.
     pub input: CamInput,
-    /// For a cam whose elements are not in order of ascending masters: file, element and line.
-    pub out_of_order: Option<String>,
+    /// Warnings about the cam's elements, each with file and line.
+    pub warnings: Vec<String>,
     /// Gain of the slave per period, in its unit, of a cam that is periodic because nothing else is said.
     pub gain_unsaid: Option<f64>,
 }
@@ -57,11 +57,11 @@ impl Coupling {
         }
     }
 
-    /// For a cam whose elements are not in order of ascending masters: file, line and element.
-    pub fn out_of_order(&self) -> Option<&str> {
+    /// Warnings about the elements of its cam, each with file and line.
+    pub fn warnings(&self) -> &[String] {
         match &self.by {
-            CoupledBy::Gear(..) => None,
-            CoupledBy::Cam(selection) => selection.out_of_order.as_deref(),
+            CoupledBy::Gear(..) => &[],
+            CoupledBy::Cam(selection) => &selection.warnings,
         }
     }
 
@@ -297,13 +297,13 @@ pub fn read_cam(
     }
     let file = file?;
     let named = file.path.display();
-    let out_of_order = file.out_of_order.as_ref().map(|said| format!("{named}: {said}"));
+    let warnings = file.warnings.iter().map(|warning| format!("{named}: {warning}")).collect();
     let rise = file.cam.curve().rise() * input.slave_scaling * input.master_scaling.signum();
     let unsaid = periodic && !section.has("periodic") && file.period.is_none() && !file.repeated;
     let gain_unsaid = (unsaid && rise != 0.0).then_some(rise);
     let cam = Arc::new(file.cam);
     let table = CamTable { periodic, master_absolute, slave_absolute, ..CamTable::new(cam) };
-    Some(CamSelection { table, input, out_of_order, gain_unsaid })
+    Some(CamSelection { table, input, warnings, gain_unsaid })
 }
 
 /// Advice for a cam over time.

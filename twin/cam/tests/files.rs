@@ -520,10 +520,34 @@ fn elements_that_do_not_ascend_are_told() {
     let point = "  { master = 90, slave = 40, velocity = 0.5 },      # on the way\n";
     let moved = LIFT.replace(point, "").replace("]\ntappets", &format!("{point}]\ntappets"));
     let line = 1 + moved.lines().position(|line| line.contains("master = 90")).expect("a line");
-    let told = read(&moved).expect("a cam").out_of_order.expect("it is told");
+    let warnings = read(&moved).expect("a cam").warnings;
     let said = format!("line {line}: the element at master 90 comes after the one at 240");
-    assert!(told.starts_with(&said), "{told}");
-    assert_eq!(read(LIFT).expect("a cam").out_of_order, None);
+    let [warning] = warnings.as_slice() else { panic!("{warnings:?}") };
+    assert!(warning.starts_with(&said), "{warning}");
+    assert!(read(LIFT).expect("a cam").warnings.is_empty());
+}
+
+/// Written values of the end of a periodic cam that are not those of its begin, whole periods aside, are replaced.
+#[test]
+fn replaced_ends_are_reported() {
+    let point = "  { master = 240, slave = 50, acceleration = -0.01 },\n";
+    let line = 2 + LIFT.lines().position(|line| line.contains("master = 240")).expect("a line");
+    let warnings = |end: &str| {
+        let end = format!("{point}  {{ master = 360, {end} }},\n");
+        read(&LIFT.replace(point, &end)).expect("a cam").warnings
+    };
+    for right in ["slave = 0", "slave = 200", "slave = 99.99999999, velocity = 0"] {
+        assert!(warnings(right).is_empty(), "{right}");
+    }
+    let found = warnings("slave = 60, velocity = 0.5");
+    let expected = format!(
+        "line {line}: the element at master 360, the end: slave 60 is replaced by 100, velocity 0.5 is replaced by 0. \
+         The end of a periodic cam is the begin plus whole periods of 100; write these values, or leave `period` out"
+    );
+    assert_eq!(found, [expected]);
+    let once = LIFT.replace(", period = 100", "");
+    let once = once.replace(point, &format!("{point}  {{ master = 360, slave = 60 }},\n"));
+    assert!(read(&once).expect("a cam").warnings.is_empty());
 }
 
 /// A tappet beside the scale has the number that it has in the file, in which they stand in any order.

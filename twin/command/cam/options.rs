@@ -82,8 +82,8 @@ pub(in crate::command) fn load(path: &Path, between: Option<Between>) -> Result<
 pub(super) fn read(path: &Path, between: Option<Between>) -> Result<CamFile, Failure> {
     let interpolation = between.map_or(Interpolation::Linear, Interpolation::from);
     let file = CamFile::load(path, interpolation).map_err(Box::new)?;
-    if let Some(out_of_order) = &file.out_of_order {
-        stderr!("{}: {out_of_order}", path.display());
+    for warning in &file.warnings {
+        stderr!("{}: {warning}", path.display());
     }
     Ok(file)
 }

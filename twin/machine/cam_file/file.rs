@@ -7,6 +7,7 @@ use crate::cam_file::{AxisScale, CamFileError, Coupling, columns, toml_form, wri
 use crate::section::MachineFileError;
 use crate::{limited_read, section};
 use std::io::Write;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use twin_cam::file::{read_ascii, write_ascii};
 use twin_cam::{
@@ -64,8 +65,8 @@ pub struct CamFile {
     pub coupling: Coupling,
     /// The text of a TOML file.
     pub text: Option<String>,
-    /// Of a TOML file whose elements do not stand by ascending masters: which one, with its line.
-    pub out_of_order: Option<String>,
+    /// Warnings about elements of a TOML file, each with its line: not by ascending masters, or an end that is replaced.
+    pub warnings: Vec<String>,
 }
 
 impl CamFile {
@@ -116,7 +117,7 @@ impl CamFile {
     /// [`CamFileError::Toml`] with everything that is wrong with it.
     pub fn from_toml(path: &Path, text: String) -> Result<Self, CamFileError> {
         match section::parse(&text, |root| toml_form::read(root, &stem(path))) {
-            Ok(TomlCam { source, table, coupling, cam, out_of_order }) => Ok(Self {
+            Ok(TomlCam { source, table, coupling, cam, warnings }) => Ok(Self {
                 path: path.to_owned(),
                 form: Form::Toml,
                 repeated: source.period.is_some()
@@ -126,7 +127,10 @@ impl CamFile {
                 slave: (&source.slave).into(),
                 coupling,
                 source: table.is_none().then_some(source),
-                out_of_order: out_of_order.map(|element| element.message(&text)),
+                warnings: warnings
+                    .into_iter()
+                    .map(|(span, message)| format!("line {}: {message}", line(&text, &span)))
+                    .collect(),
                 text: Some(text),
                 cam,
             }),
@@ -153,7 +157,7 @@ impl CamFile {
             source: None,
             coupling: Coupling::default(),
             text: None,
-            out_of_order: None,
+            warnings: Vec::new(),
             cam,
         })
     }
@@ -201,6 +205,11 @@ impl CamFile {
             None => write_toml(&self.frame(), Some(self.cam.shape()), &self.coupling),
         }
     }
+}
+
+/// Number of the line on which `span` begins.
+fn line(text: &str, span: &Range<usize>) -> usize {
+    1 + text.get(..span.start).unwrap_or_default().matches('\n').count()
 }
 
 /// Name of a cam without a name: that of its file, without the ending.

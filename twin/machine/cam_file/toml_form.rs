@@ -8,6 +8,7 @@ use std::ops::{Range, RangeInclusive};
 use twin_cam::{
     Action, Cam, CamError, Compile, Element, Kind, Knot, Passage, Scale, Shape, Source, Tappet,
 };
+use twin_number::significant;
 
 /// Numbers of a file.
 pub(super) const ANY: RangeInclusive<f64> = -1e15..=1e15;
@@ -24,27 +25,8 @@ pub(super) struct TomlCam {
     pub(super) table: Option<Shape>,
     pub(super) coupling: Coupling,
     pub(super) cam: Cam,
-    /// The first element that begins before the preceding one.
-    pub(super) out_of_order: Option<OutOfOrder>,
-}
-
-/// An element that begins before the preceding one.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct OutOfOrder {
-    span: Range<usize>,
-    master: f64,
-    before: f64,
-}
-
-impl OutOfOrder {
-    /// Message with the line of the text.
-    pub(super) fn message(&self, text: &str) -> String {
-        let line = 1 + text.get(..self.span.start).unwrap_or_default().matches('\n').count();
-        format!(
-            "line {line}: the element at master {} comes after the one at {}; they are taken by ascending masters",
-            self.master, self.before
-        )
-    }
+    /// Elements that are read otherwise than they are written, with their places.
+    pub(super) warnings: Vec<(Range<usize>, String)>,
 }
 
 /// Reads a cam; one that says no name has `usual`, that of its file.
@@ -76,7 +58,10 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
     let out_of_order = elements.windows(2).find_map(|pair| {
         let [(before, _), (element, span)] = pair else { return None };
         let [before, master] = [begin(before), begin(element)];
-        (master < before).then(|| OutOfOrder { span: span.clone(), master, before })
+        let message = format!(
+            "the element at master {master} comes after the one at {before}; they are taken by ascending masters"
+        );
+        (master < before).then(|| (span.clone(), message))
     });
     elements.sort_by(|one, other| begin(&one.0).total_cmp(&begin(&other.0)));
     let mut tappets: Vec<_> = sections[1].iter().filter_map(tappet).collect();
@@ -122,7 +107,12 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
             if bare && kind == Kind::Cam {
                 source.scale_slave(Some(cam.curve()));
             }
-            Some(TomlCam { source, table, coupling, cam, out_of_order })
+            let replaced = elements.last().and_then(|(element, span)| {
+                let section = sections[0].iter().find(|section| section.span() == *span)?;
+                Some((span.clone(), replaced_end(element, section, &source, &cam)?))
+            });
+            let warnings = out_of_order.into_iter().chain(replaced).collect();
+            Some(TomlCam { source, table, coupling, cam, warnings })
         }
         Err(error) => {
             let elements: Vec<_> = elements.into_iter().map(|(_, span)| span).collect();
@@ -131,6 +121,37 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
             None
         }
     }
+}
+
+/// Warning about values of `last`, the element of `section`, that are not those of the end of the periodic `cam`.
+fn replaced_end(
+    last: &Element,
+    section: &Section<'_>,
+    source: &Source,
+    cam: &Cam,
+) -> Option<String> {
+    let (Element::Point(written), Shape::Polynomial(knots)) = (last, cam.shape()) else {
+        return None;
+    };
+    let end = knots.last().filter(|end| end.master <= written.master)?;
+    let replaced: Vec<_> = [
+        ("slave", written.slave, end.slave),
+        ("velocity", written.velocity, end.velocity),
+        ("acceleration", written.acceleration, end.acceleration),
+    ]
+    .into_iter()
+    .filter(|(key, ..)| section.has(key))
+    .map(|(key, written, used)| (key, significant(written, 6), significant(used, 6)))
+    .filter(|(_, written, used)| written != used)
+    .map(|(key, written, used)| format!("{key} {written} is replaced by {used}"))
+    .collect();
+    let period = significant(source.period?, 6);
+    let message = format!(
+        "the element at master {}, the end: {}. The end of a periodic cam is the begin plus whole periods of {period}; write these values, or leave `period` out",
+        significant(written.master, 6),
+        replaced.join(", ")
+    );
+    (!replaced.is_empty()).then_some(message)
 }
 
 /// Reports errors of elements and tappets, which are ordered by their masters, at their places.
