@@ -42,8 +42,6 @@ pub enum Reason {
     Rapid,
     /// No feed is low enough: the limit is (next to) zero.
     NoFeed,
-    /// Inverse time (G93) goes no slower than a tenth of a unit per minute.
-    InverseTime,
     /// The line has no room for another word.
     LongLine,
 }
@@ -53,7 +51,6 @@ impl fmt::Display for Reason {
         f.write_str(match self {
             Self::Rapid => "F does not govern rapids",
             Self::NoFeed => "no feed is low enough",
-            Self::InverseTime => "inverse time (G93) goes no slower",
             Self::LongLine => "the line has no room for another word",
         })
     }

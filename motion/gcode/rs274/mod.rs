@@ -40,6 +40,8 @@
 //!   LinuxCNC skips, is an unsupported word.
 //! - After G20 or G21 amid canned cycles G98 returns to the level at which they began. LinuxCNC takes the number of
 //!   the old units for one of the new.
+//! - A block in inverse time (G93) takes the time that F says, and F0 is an error. LinuxCNC's interpreter goes at 0.1
+//!   units per minute at least, so that a short move with a long turn is faster.
 //! - Probing moves in inverse time (G93) take as long as F says, if they do not trip, and need it, as LinuxCNC's
 //!   documentation has it. Its interpreter lets them move with the feed in force before.
 //! - A start and end that are the same but for 1 µm make a full circle; LinuxCNC looks at the angle alone and makes

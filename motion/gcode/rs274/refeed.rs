@@ -7,7 +7,6 @@ use super::block::Letter;
 use super::decoder::{Decoder, MAX_LINE_BYTES};
 use super::options::{DecoderOptions, LengthUnit};
 use super::state::{Feed, MAX_FEED};
-use super::travel::MIN_INVERSE_TIME_FEED;
 use crate::decode;
 use crate::refeed::{
     Edit, Interpreter, Limits, LineLimit, Reason, Refed, RefeedError, Unrepaired, has_room,
@@ -96,11 +95,6 @@ impl Cut {
     fn number(self, feed: f64, units: LengthUnit) -> f64 {
         if self.turns { feed * 1e3 * 60.0 } else { units.convert_metres(feed) * 60.0 }
     }
-
-    /// The slowest that inverse time can say.
-    fn slowest(self, units: LengthUnit) -> f64 {
-        self.own(Feed::per_minute(MIN_INVERSE_TIME_FEED, units))
-    }
 }
 
 fn is_same(one: f64, other: f64) -> bool {
@@ -146,16 +140,15 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
             return None;
         }
         let block = &self.decoder.block;
-        let slowest = cut.slowest(self.decoder.state.units);
         let word = block.get(Letter::F).zip(block.columns(Letter::F));
         let lower = word.and_then(|(number, columns)| {
             let (_, text) = rounded_down(number * (limit / cut.feed))?;
-            (!is_below(limit, slowest)).then(|| Edit::replace(line, &columns, &text))
+            Some(Edit::replace(line, &columns, &text))
         });
         if lower.is_some() {
             refed.lowered += 1;
         } else {
-            self.report(Reason::InverseTime, cut.feed, limit, refed);
+            self.report(Reason::NoFeed, cut.feed, limit, refed);
         }
         lower
     }

@@ -17,9 +17,6 @@ const MAX_ANGLE: f64 = 1e9;
 /// Flat arcs have centres far away.
 const MAX_RADIUS: f64 = 1e6;
 
-/// The lowest velocity that inverse time leads to, program units or degrees per minute.
-pub(super) const MIN_INVERSE_TIME_FEED: f64 = 0.1;
-
 impl State {
     /// Target of the axis words of `block`.
     pub(super) fn target(&self, block: &Block, relative: bool) -> Result<Location, Problem> {
@@ -255,25 +252,22 @@ impl State {
         inverse_time: Option<f64>,
     ) -> Result<f64, DecodeError> {
         let from = &self.location.machine.rotary;
+        let length = shape.length();
         // Without rotary axes no length is needed.
-        let turned = if self.rotary && from != &to.machine.rotary && shape.length() <= 0.0 {
+        let turned = if self.rotary && from != &to.machine.rotary && length <= 0.0 {
             Some(from.iter().zip(to.machine.rotary).map(|(from, to)| (to - from).powi(2)))
         } else {
             None
         };
-        if self.inverse_time {
+        let feed = if self.inverse_time {
             let per_minute = inverse_time.ok_or(DecodeError::MissingInverseTime)?;
-            return Ok(match turned {
-                Some(squares) => {
-                    (squares.sum::<f64>().sqrt() * per_minute).max(MIN_INVERSE_TIME_FEED) * 1e-3
-                }
-                None => {
-                    (shape.length() * per_minute).max(self.units.to_metres(MIN_INVERSE_TIME_FEED))
-                }
-            } / 60.0);
-        }
-        let feed = self.feed.ok_or(DecodeError::MissingFeed)?;
-        let feed = if turned.is_some() { feed.rotary * 1e-3 } else { feed.linear };
+            let length = turned.map_or(length, |squares| squares.sum::<f64>().sqrt() * 1e-3);
+            // Without a length there is no time to keep, and any feed is right.
+            per_minute / 60.0 * if length > 0.0 { length } else { 1.0 }
+        } else {
+            let feed = self.feed.ok_or(DecodeError::MissingFeed)?;
+            if turned.is_some() { feed.rotary * 1e-3 } else { feed.linear }
+        };
         if feed > 0.0 { Ok(feed) } else { Err(DecodeError::ZeroFeed) }
     }
 

@@ -87,6 +87,7 @@ fn missing_feed() {
     let feed = "line 2: with inverse time (G93) every block with feed motion needs its F";
     assert_eq!(messages("G93 G1 X1 F5\nX2\nX3 F1\nM2"), [feed]);
     assert_eq!(messages("F5\nG93 G38.2 Z-15\nM2"), [feed]);
+    assert_eq!(messages("G93 G1 X1 F0\nM2"), ["line 1: motion without a feed: F is 0"]);
 }
 
 #[test]

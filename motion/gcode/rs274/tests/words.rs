@@ -100,6 +100,10 @@ fn velocities() {
     // An arc in inverse time: half the circle of radius 5 mm in a second.
     let found = elements("G93 G2 X10 I5 F60\nM2");
     assert!((found[0].feed - PI * 0.005).abs() < 1e-15);
+    // However short the move is: 12 s each. Where only A turns, the feed is its velocity.
+    let found = elements("G20 G93 G1 Z-0.00001 A178 F5\nA180 F5\nM2");
+    assert!((found[0].feed - 2.54e-7 / 12.0).abs() < 1e-20);
+    assert!((found[1].feed - 2e-3 / 12.0).abs() < 1e-15);
 }
 
 /// One block gives at most [`MAX_CYCLE_MOVES`] moves, and a canned cycle with that many is decoded.
