@@ -11,6 +11,7 @@ use rstar::primitives::GeomWithData;
 pub(super) struct Section {
     pub(super) pieces: Vec<(Primitive, u32)>,
     pub(super) layer: String,
+    pub(super) rapid: bool,
 }
 
 type Spot = GeomWithData<[f64; 3], (usize, usize)>;
@@ -21,8 +22,8 @@ fn spot(point: Point3<f64>, data: (usize, usize)) -> Spot {
 
 impl Section {
     fn new(chain: Chain) -> Self {
-        let Chain { pieces, layer, line } = chain;
-        Self { pieces: pieces.into_iter().map(|piece| (piece, line)).collect(), layer }
+        let Chain { pieces, layer, rapid, line } = chain;
+        Self { pieces: pieces.into_iter().map(|piece| (piece, line)).collect(), layer, rapid }
     }
 
     pub(super) fn start(&self) -> Point3<f64> {
@@ -45,10 +46,20 @@ impl Section {
     }
 }
 
+/// Joins the cuts between two rapids, see [`join`]. Rapids stay as they are drawn, with their places among the cuts.
+pub(super) fn join_between_rapids(
+    chains: &[Chain],
+    tolerance: f64,
+    by_layer: bool,
+) -> Vec<Section> {
+    let groups = chains.chunk_by(|one, other| !one.rapid && !other.rapid);
+    groups.flat_map(|group| join(group.to_vec(), tolerance, by_layer)).collect()
+}
+
 /// Joins chains whose ends are within `tolerance` (m) to sections, each in the direction of its first chain, in the
 /// order of their first chains. Where several meet, the first in the drawing goes on. With `by_layer` only what is on
 /// the same layer is joined.
-pub(super) fn join(chains: Vec<Chain>, tolerance: f64, by_layer: bool) -> Vec<Section> {
+fn join(chains: Vec<Chain>, tolerance: f64, by_layer: bool) -> Vec<Section> {
     let mut open: Vec<Option<Section>> =
         chains.into_iter().map(|chain| Some(Section::new(chain))).collect();
     let ends = open.iter().enumerate().flat_map(|(index, section)| {
@@ -91,6 +102,27 @@ pub(super) fn join(chains: Vec<Chain>, tolerance: f64, by_layer: bool) -> Vec<Se
 fn forget(tree: &mut RTree<Spot>, section: &Section, index: usize) {
     tree.remove(&spot(section.start(), (index, 0)));
     tree.remove(&spot(section.end(), (index, 1)));
+}
+
+/// The section from its end or corner nearest to `at` on, the place to which a rapid leads; of a closed one the piece that
+/// was drawn first comes first. The curves of a drawing have no direction of their own.
+pub(super) fn entered_at(mut section: Section, at: Point3<f64>, tolerance: f64) -> Section {
+    let distance = |point: Point3<f64>| (point - at).norm();
+    if section.is_closed(tolerance) {
+        let corners = section.pieces.iter().enumerate();
+        let nearest = corners.min_by(|(_, (one, _)), (_, (other, _))| {
+            distance(one.start()).total_cmp(&distance(other.start()))
+        });
+        let first = nearest.map_or(0, |(index, _)| index);
+        section.pieces.rotate_left(first);
+        let lines = [section.pieces.first(), section.pieces.last()].map(|piece| piece.map(|p| p.1));
+        if lines[1] < lines[0] {
+            section.reverse();
+        }
+    } else if distance(section.end()) < distance(section.start()) {
+        section.reverse();
+    }
+    section
 }
 
 /// The sections in an order in which each is the nearest to the end of the one before, from `start` on. Open ones may

@@ -72,6 +72,8 @@ pub enum Reason {
     Invisible,
     /// It belongs to a sheet of paper.
     PaperSpace,
+    /// It is a rapid of a path that twin has drawn, and the import makes rapids of its own.
+    Rapid,
     /// It has no extent, or numbers that make no sense.
     Degenerate,
     /// Its block is not in the drawing.
@@ -90,6 +92,7 @@ impl fmt::Display for Reason {
             Self::LayerOff => "left out: its layer is off",
             Self::Invisible => "left out: invisible",
             Self::PaperSpace => "left out: in paper space",
+            Self::Rapid => "left out: on layer RAPID, and rapids are made anew",
             Self::Degenerate => "left out: without extent",
             Self::UnknownBlock => "left out: its block is missing",
             Self::Approximated => "approximated by straight lines",

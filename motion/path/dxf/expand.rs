@@ -1,6 +1,7 @@
 //! Expansion of a drawing: inserts its blocks and gives chains of primitives.
 
 use super::error::{DxfReadError, Note, Reason};
+use super::export::RAPID;
 use super::primitive::{Primitive, scaling};
 use super::survey::{Items, Survey};
 use super::{Limits, entity};
@@ -14,6 +15,8 @@ use std::collections::{BTreeMap, HashMap};
 pub(super) struct Chain {
     pub(super) pieces: Vec<Primitive>,
     pub(super) layer: String,
+    /// True for straight lines on the layer RAPID.
+    pub(super) rapid: bool,
     /// Line of the file.
     pub(super) line: u32,
 }
@@ -26,6 +29,8 @@ pub(super) struct Expander<'a> {
     limits: Limits,
     /// In units of the drawing.
     tolerance: f64,
+    /// Rapids of the drawing are kept.
+    keeps_rapids: bool,
     /// Pieces and inserted blocks so far.
     count: usize,
     pub(super) chains: Vec<Chain>,
@@ -51,6 +56,7 @@ impl<'a> Expander<'a> {
         survey: &'a Survey,
         limits: Limits,
         tolerance: f64,
+        keeps_rapids: bool,
     ) -> Result<Self, DxfReadError> {
         complete(drawing.entities(), &survey.entities)?;
         let found = drawing.blocks().count();
@@ -68,6 +74,7 @@ impl<'a> Expander<'a> {
             blocks,
             limits,
             tolerance,
+            keeps_rapids,
             count: 0,
             chains: Vec::new(),
             notes: BTreeMap::new(),
@@ -144,6 +151,11 @@ impl<'a> Expander<'a> {
             Ok(found) => found,
             Err(reason) => return Ok(Err(reason)),
         };
+        let rapid = layer.eq_ignore_ascii_case(RAPID)
+            && pieces.iter().all(|piece| matches!(piece, Primitive::Line { .. }));
+        if rapid && !self.keeps_rapids {
+            return Ok(Err(Reason::Rapid));
+        }
         self.add(pieces.len())?;
         let pieces: Vec<_> = pieces.iter().map(|piece| piece.mapped(&insertion.map)).collect();
         let farthest = self.limits.farthest;
@@ -155,7 +167,7 @@ impl<'a> Expander<'a> {
             return Ok(Err(Reason::Degenerate));
         }
         let line = u32::try_from(insertion.line.unwrap_or(line)).unwrap_or(u32::MAX);
-        self.chains.push(Chain { pieces, layer: layer.to_owned(), line });
+        self.chains.push(Chain { pieces, layer: layer.to_owned(), rapid, line });
         Ok(if exact { Ok(()) } else { Err(Reason::Approximated) })
     }
 

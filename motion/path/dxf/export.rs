@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use std::io::{self, Write};
 
 /// Layer of rapids.
-const RAPID: &str = "RAPID";
+pub(super) const RAPID: &str = "RAPID";
 /// Layer of cuts.
 const CUT: &str = "CUT";
 /// Layer of probing moves.

@@ -108,6 +108,13 @@ impl Default for ImportOptions {
     }
 }
 
+impl ImportOptions {
+    /// True if lines on the layer RAPID stay rapids: the order and the heights of the drawing must stay, too.
+    fn keeps_rapids(&self) -> bool {
+        (self.split, self.order, self.heights) == (Split::Whole, Order::Drawing, None)
+    }
+}
+
 /// A path made of a drawing, or of a part of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Program {
@@ -144,12 +151,12 @@ pub fn import(reader: impl BufRead, options: &ImportOptions) -> Result<Import, D
     let known = survey.units.and_then(unit);
     let unit = known.unwrap_or(options.default_unit);
     let tolerance = options.chord_tolerance / unit;
-    let mut expander = Expander::new(&drawing, &survey, options.limits, tolerance)?;
+    let keeps_rapids = options.keeps_rapids();
+    let mut expander = Expander::new(&drawing, &survey, options.limits, tolerance, keeps_rapids)?;
     expander.run(unit)?;
     let notes = expander.notes();
     let by_layer = options.split == Split::Layers;
-    let sections =
-        arrange::join(std::mem::take(&mut expander.chains), options.join_tolerance, by_layer);
+    let sections = arrange::join_between_rapids(&expander.chains, options.join_tolerance, by_layer);
     let order = |sections: Vec<Section>| match options.order {
         Order::Drawing => sections,
         Order::Nearest => arrange::nearest_first(sections, options.start, options.join_tolerance),
@@ -212,14 +219,21 @@ fn unit(number: i32) -> Option<f64> {
 
 fn program(name: String, sections: &[Section], options: &ImportOptions) -> Program {
     let mut path = Path { options, at: options.start, elements: Vec::new() };
+    let mut after_rapid = false;
     for section in sections {
-        path.section(section);
+        if after_rapid && !section.rapid {
+            path.section(&arrange::entered_at(section.clone(), path.at, options.join_tolerance));
+        } else {
+            path.section(section);
+        }
+        after_rapid = section.rapid;
     }
     if let (Some(heights), Some(last)) = (options.heights, path.elements.last()) {
         let place = last.place;
         path.line(ElementKind::Rapid, Point3::new(path.at.x, path.at.y, heights.safe), place);
     }
-    Program { name, elements: path.elements, sections: sections.len() }
+    let sections = sections.iter().filter(|section| !section.rapid).count();
+    Program { name, elements: path.elements, sections }
 }
 
 struct Path<'a> {
@@ -234,6 +248,7 @@ impl Path<'_> {
         let place = Place { line, block: None };
         let start = section.start();
         match self.options.heights {
+            None if (start - self.at).norm() <= SNAP => {}
             None => self.line(ElementKind::Rapid, start, place),
             Some(heights) => {
                 for point in [self.at, start] {
@@ -248,6 +263,7 @@ impl Path<'_> {
                 }
             }
         }
+        let kind = if section.rapid { ElementKind::Rapid } else { ElementKind::Cut };
         let first = self.at;
         let count = section.pieces.len();
         for (index, (piece, line)) in section.pieces.iter().enumerate() {
@@ -260,7 +276,7 @@ impl Path<'_> {
             if (start - self.at).norm() <= SNAP {
                 start = self.at;
             } else {
-                self.line(ElementKind::Cut, start, place);
+                self.line(kind, start, place);
             }
             if index + 1 == count && (end - first).norm() <= SNAP {
                 end = first;
@@ -272,7 +288,7 @@ impl Path<'_> {
             // A piece shorter than a nanometre after its ends have moved is dropped.
             if shape.length() > 1e-9 {
                 self.at = shape.end();
-                self.push(ElementKind::Cut, shape, place);
+                self.push(kind, shape, place);
             }
         }
     }

@@ -8,7 +8,8 @@
 //! does not report frozen layers. Therefore the file is surveyed first, the crate gets only the understood entities,
 //! and its results are counted.
 //!
-//! [`DxfWriter`] writes a path as a drawing with the layers RAPID, CUT and PROBE.
+//! [`DxfWriter`] writes a path as a drawing with the layers RAPID, CUT and PROBE. [`import`] reads straight lines on the
+//! layer RAPID as rapids.
 
 mod arrange;
 mod entity;

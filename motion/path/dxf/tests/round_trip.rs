@@ -97,7 +97,53 @@ fn layers_and_what_leaves_no_trace() {
     let options = ImportOptions { split: Split::Layers, ..ImportOptions::default() };
     let import = import(drawn(&path).as_bytes(), &options).unwrap();
     let names: Vec<_> = import.programs.iter().map(|program| program.name.as_str()).collect();
-    assert_eq!((names, cuts(&import).len()), (vec!["RAPID", "CUT", "PROBE"], 3));
+    assert_eq!((names, cuts(&import).len()), (vec!["CUT", "PROBE"], 2));
+    assert_eq!(notes(&import), [("LINE", Reason::Rapid, 1)]);
+}
+
+/// Rapids come back as rapids, each at its place and in its direction; cuts begin where the rapid before them ends. Where
+/// sections get another order or height, rapids are made anew.
+#[test]
+fn rapids_come_back() {
+    use ElementKind::{Cut, Rapid};
+    let at = |x: f64, z: f64| Point3::new(x, 0.0, z);
+    let line = |start, end| Shape::Line { start, end };
+    // A half circle, clockwise: drawn counter-clockwise, from its end.
+    let half = |from: f64, to: f64| {
+        Shape::Arc(Arc::new(at(from, 0.0), at(to, 0.0), at(from.midpoint(to), 0.0), -PI))
+    };
+    let path = [
+        element(Rapid, line(at(0.0, 0.0), at(0.01, 0.0))),
+        element(Cut, half(0.01, 0.03)),
+        element(Cut, line(at(0.03, 0.0), at(0.01, 0.0))),
+        element(Rapid, line(at(0.01, 0.0), at(0.01, 0.02))),
+        element(Rapid, line(at(0.01, 0.02), at(0.05, 0.02))),
+        element(Rapid, line(at(0.05, 0.02), at(0.05, 0.0))),
+        element(Cut, half(0.05, 0.07)),
+        // Back, and on from where the first cut began.
+        element(Rapid, line(at(0.07, 0.0), at(0.01, 0.0))),
+        element(Cut, line(at(0.01, 0.0), at(-0.01, 0.0))),
+    ];
+    let text = drawn(&path);
+    let import_with = |options| {
+        let mut import = import(text.as_bytes(), &options).unwrap();
+        let kinds: Vec<_> =
+            import.programs[0].elements.iter().map(|element| element.kind).collect();
+        (import.programs.remove(0), import.notes, kinds)
+    };
+    let (program, notes, kinds) = import_with(ImportOptions::default());
+    assert_eq!((program.sections, notes), (3, vec![]));
+    assert_eq!(kinds, path.each_ref().map(|element| element.kind));
+    for (again, element) in program.elements.iter().zip(&path) {
+        let ends = [again.start() - element.start(), again.end() - element.end()];
+        assert!(ends.iter().all(|off| off.norm() < 1e-9), "{element:?} {again:?}");
+        assert!((again.length() - element.length()).abs() < 1e-9, "{element:?} {again:?}");
+    }
+    let nearest = ImportOptions { order: Order::Nearest, ..ImportOptions::default() };
+    let (_, notes, kinds) = import_with(nearest);
+    let note = Note { kind: "LINE".to_owned(), reason: Reason::Rapid, count: 5 };
+    assert_eq!(notes, [note]);
+    assert_eq!(kinds.iter().filter(|kind| **kind == Rapid).count(), 2);
 }
 
 #[test]
