@@ -13,19 +13,9 @@ use twin::session::{Answer, Ending, Stopped};
 use twin_kinematics::AxisVector;
 use twin_machine::Machine;
 
-/// The SCARA with jerks that are limited: 60000°/s³ in A and B, 100 m/s³ in Z.
+/// The SCARA, whose axes have jerks that are limited.
 pub(crate) fn scara() -> Machine {
-    let text = SCARA2
-        .replace("# max_jerk_deg_per_s3 = 60000.0 ", "max_jerk_deg_per_s3 = 60000.0 ")
-        .replace(
-            "max_acceleration_deg_per_s2 = 2500.0",
-            "max_acceleration_deg_per_s2 = 2500.0\nmax_jerk_deg_per_s3 = 60000.0",
-        )
-        .replace(
-            "max_acceleration_mm_per_s2 = 3000.0",
-            "max_acceleration_mm_per_s2 = 3000.0\nmax_jerk_mm_per_s3 = 100000.0",
-        );
-    let machine = machine(&text);
+    let machine = machine(SCARA2);
     assert!(machine.axes.iter().all(|axis| axis.max_jerk.is_some()));
     machine
 }

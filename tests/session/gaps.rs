@@ -5,7 +5,7 @@ use std::cell::Cell;
 use twin::m_function::Acknowledge;
 use twin::session::{Answer, Stopped};
 
-/// The example of manual 3.2, with M6 behind the jump. X: 400 mm/s, 3000 mm/s².
+/// The example of manual 3.2, with M6 behind the jump. X: 400 mm/s, 3000 mm/s², 60000 mm/s³.
 const PROGRAM: &str = "% example
 N10 G92 X100 Y100
 N20 G1 X100 Y100 F100 E1000 E-1000
@@ -14,9 +14,11 @@ N35 M6
 N40 G1 X60
 ";
 
-/// 2·√(50/3000) s for 50 mm, and 10 mm at 100 mm/s with 1000 mm/s² in 0.2 s.
+/// 50 mm from rest to rest with t = 3000/60000 s for each change of the acceleration: t + √(t² + 4·50/3000); and 10 mm at 100 mm/s
+/// with 1000 mm/s² in 0.2 s.
 fn least_ns() -> i64 {
-    ((2.0 * (50.0_f64 / 3000.0).sqrt() + 0.2) * 1e9) as i64
+    let t = 3000.0_f64 / 60000.0;
+    ((t + (t * t + 4.0 * 50.0 / 3000.0).sqrt() + 0.2) * 1e9) as i64
 }
 
 #[test]
