@@ -157,7 +157,7 @@ rules! {
         name: "axis-velocity-step",
         severities: [Error],
         meaning: "an axis asked to change its velocity at once, by more than it can: at a corner that is passed without a stop, or at an edge of the reach",
-        remedy: "lower F to the feed in the message, let the path stop at smaller corners (`angle_tolerance_deg` in [controller]), or round them (G52)",
+        remedy: "lower F to the feed in the message, let the path stop at smaller corners (`angle_tolerance_deg` in [program]), or round them (G52)",
     }
     AxisEffort {
         name: "axis-effort",

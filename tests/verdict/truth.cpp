@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <deque>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -27,6 +28,7 @@
 
 using std::string;
 using Vec3 = std::array<double, 3>;
+constexpr double CYCLE_S = 1e-3;
 constexpr double PI = 3.14159265358979323846, DEG = 180 / PI, INF = 1e300;
 
 /// Distance of the samples: 100 kHz, and closer in short pieces, so that fast turns are resolved as well.
@@ -419,6 +421,8 @@ Truth judge(const Machine& m, const string& text, bool din, Sampling sampling) {
     truth.reach_of_element.assign(truth.path.size(), INF);
     Jet last[4], now[4];
     int last_element = -1;  // -1: nothing to compare with
+    struct Joint { double time; double change[4]; };
+    std::deque<Joint> joints;  // of the last cycle: what velocities change there is one step
     double turns[4] = {0, 0, 0, 0}, before[4];
     bool started = false;
     for (const Piece& piece : plan(m, truth.path)) {
@@ -432,7 +436,12 @@ Truth judge(const Machine& m, const string& text, bool din, Sampling sampling) {
             bool reached = solve_axes(m, xyz[0], xyz[1], xyz[2], s * e.heading_rate + e.heading0, now, margin);
             double& reach = truth.reach_of_element[piece.element];
             reach = std::min(reach, margin);
-            if (!reached) { last_element = -1; return; }
+            if (!reached) { last_element = -1; joints.clear(); return; }
+            bool joins = first && last_element >= 0 && !(e.jump_before && last_element != piece.element);
+            if (joins) {
+                while (!joints.empty() && joints.front().time <= piece.t0 - CYCLE_S * (1 - 1e-9)) joints.pop_front();
+                joints.push_back({piece.t0, {}});
+            }
             for (size_t i = 0; i < count; ++i) {
                 // Angles of arms begin within half a turn and then go on from turn to turn; headings do by themselves.
                 if (m.kind[0] == 's' && i + 1 < count) {
@@ -446,8 +455,11 @@ Truth judge(const Machine& m, const string& text, bool din, Sampling sampling) {
                 a.high.raise(now[i].p, piece.element, part);
                 a.velocity.raise(std::fabs(now[i].v), piece.element, part);
                 a.acceleration.raise(std::fabs(now[i].a), piece.element, part);
-                if (first && last_element >= 0 && !(e.jump_before && last_element != piece.element)) {
-                    a.step.raise(std::fabs(now[i].v - last[i].v), piece.element, 0);
+                if (joins) {
+                    joints.back().change[i] = now[i].v - last[i].v;
+                    double sum = 0;
+                    for (const Joint& joint : joints) sum += joint.change[i];
+                    a.step.raise(std::max(std::fabs(sum), std::fabs(now[i].v - last[i].v)), piece.element, 0);
                     a.jump = std::max(a.jump, std::fabs(now[i].p - last[i].p));
                 }
                 before[i] = now[i].p;
@@ -655,6 +667,14 @@ void add_arc_path(Draft& d, Random& r) {
 }
 
 void add_corners(Draft& d, Random& r, double least_deg, double most_deg) {
+    if (most_deg < 3 && r.chance(0.3)) {  // a curve of short chords: several corners within a cycle
+        double side = r.chance(0.5) ? 1 : -1, chord = std::exp(r.between(std::log(0.02), std::log(0.5)));
+        for (int i = 10 + r.below(20); i-- > 0;) {
+            d.line(chord);
+            d.heading += side * r.between(0.5 * most_deg, most_deg) / DEG;
+        }
+        return;
+    }
     int lines = 2 + r.below(4);
     for (int i = 0; i < lines; ++i) {
         d.line(r.length(5, 30), r.chance(0.2) ? r.between(-0.05, 0.05) : 0);

@@ -1,6 +1,6 @@
 //! Findings of one program, with a maximum number per severity.
 
-use crate::finding::{Finding, Rule, Severity};
+use crate::finding::{self, Finding, Rule, Severity};
 use std::collections::{BTreeMap, VecDeque};
 use twin_physics::Part;
 
@@ -32,6 +32,8 @@ type Key = (u32, Rule, Option<About>, Option<usize>, Option<String>);
 pub(super) struct Findings {
     kept: BTreeMap<Severity, BTreeMap<Key, Finding>>,
     left_out: u64,
+    /// The worst error that is not kept.
+    worst_left_out: Option<Finding>,
     left_out_lately: VecDeque<(Severity, Key)>,
 }
 
@@ -47,13 +49,22 @@ impl Findings {
             // A feed is small enough if it is so wherever the finding was made.
             let feeds = kept.largest_feed_mm_per_s.zip(finding.largest_feed_mm_per_s);
             let feed = feeds.map(|(one, other)| one.min(other));
+            // Where no feed helps, the remedy is that of the finding without one.
+            let remedy =
+                [&*kept, &finding].into_iter().find(|one| one.largest_feed_mm_per_s.is_none());
+            let remedy = remedy.and_then(|one| one.hint.clone());
             if excess(&finding) > excess(kept) {
                 *kept = finding;
             }
             kept.largest_feed_mm_per_s = feed;
+            if feed.is_none() && remedy.is_some() {
+                kept.hint = remedy;
+            }
         } else if kept.len() < MAX_FINDINGS {
             kept.insert(key, finding);
         } else {
+            let both: Vec<_> = self.worst_left_out.take().into_iter().chain([finding]).collect();
+            self.worst_left_out = finding::worst(&both).cloned();
             let key = (severity, key);
             if !self.left_out_lately.contains(&key) {
                 self.left_out += 1;
@@ -74,9 +85,22 @@ impl Findings {
         self.kept.contains_key(&Severity::Error)
     }
 
-    /// All that were kept, in no particular order, and how many were not.
+    /// All that were kept, the worst error at the end if it is not among them, and how many others were not kept.
     pub(super) fn into_list(self) -> (Vec<Finding>, u64) {
-        (self.kept.into_values().flat_map(BTreeMap::into_values).collect(), self.left_out)
+        let mut list: Vec<_> = self.kept.into_values().flat_map(BTreeMap::into_values).collect();
+        let mut left_out = self.left_out;
+        if let Some(candidate) = self.worst_left_out {
+            list.push(candidate);
+            let is_worst = finding::worst(&list)
+                .zip(list.last())
+                .is_some_and(|(one, last)| std::ptr::eq(one, last));
+            if is_worst {
+                left_out -= 1;
+            } else {
+                list.pop();
+            }
+        }
+        (list, left_out)
     }
 }
 

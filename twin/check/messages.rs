@@ -97,26 +97,22 @@ pub(super) fn turns_at_once(mut finding: Finding) -> Finding {
     finding
 }
 
-/// A velocity (rad/s or m/s) that changes by `value` at once where the path turns by `angle`, rad; below `feed`, m/s, it does
-/// not change by more than `limit`.
-pub(super) fn steps_at_corner(
-    axis: &Axis,
-    place: Place,
-    value: f64,
-    limit: f64,
-    angle: f64,
-    feed: f64,
-) -> Finding {
-    let mut finding = step(axis, place, value, limit);
+/// A step of a velocity where the path turns by `angle`, rad.
+pub(super) fn at_corner(mut finding: Finding, angle: f64) -> Finding {
     let angle = twin_number::significant(angle.to_degrees(), 3);
     finding.message = format!("{}: the path turns by {angle}° without a stop", finding.message);
+    finding
+}
+
+/// A step of a velocity where the path stops, starts or turns round; none with a velocity up to `feed`, m/s.
+pub(super) fn at_once(mut finding: Finding, feed: f64) -> Finding {
+    finding.message = format!("{}: the velocity of the path steps here", finding.message);
     finding.largest_feed_mm_per_s = Some(feed * 1e3);
     finding
 }
 
-/// A velocity (rad/s or m/s) that changes by `value` within a cycle at an edge of the reach.
-pub(super) fn steps_at_edge(axis: &Axis, place: Place, value: f64, limit: f64) -> Finding {
-    let mut finding = step(axis, place, value, limit);
+/// A step of a velocity at an edge of the reach.
+pub(super) fn at_edge(mut finding: Finding) -> Finding {
     finding.message = format!("{}: the tool is at an edge of the reach", finding.message);
     finding
 }
@@ -145,6 +141,9 @@ pub(super) fn too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Find
     let quantity = Quantity { name: "following error", units: ["deg", "mm"] };
     too_much(axis, Rule::FollowingError, &quantity, place, error, limit)
 }
+
+/// Hint where no feed is looked for.
+pub(super) const LOWER: &str = "lower F or E";
 
 /// Hint on a rapid in RS274 that is too fast, with the `cap` of the machine file, m/s, infinite if it has none.
 pub(super) fn rapid_hint(cap: f64) -> String {

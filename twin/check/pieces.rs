@@ -9,14 +9,15 @@ use crate::messages::{beyond_position, unreachable};
 use crate::peak::AxisPeak;
 use crate::tolerance::exceeds;
 use nalgebra::{Point3, Vector3};
+use std::collections::VecDeque;
 use std::sync::Arc;
-use twin_kinematics::{AxisVector, MAX_AXES};
+use twin_kinematics::{AxisVector, Kinematics, MAX_AXES};
 use twin_machine::{Axis, DirectionRule, Machine};
 use twin_number::seconds;
 use twin_path::Place;
 use twin_planner::blended_path::BlendedElement;
 use twin_planner::controller::trapezoid;
-use twin_planner::extremes::{AxisExtremes, Examiner, Extremes, Floor, Node};
+use twin_planner::extremes::{AxisExtremes, Examiner, Extremes, Floor, Largest, Node};
 use twin_planner::planned_motion::{Piece, PlannedPiece};
 
 /// Extremes are exact to a millionth; no more than that is above a limit.
@@ -29,17 +30,33 @@ const LITTLE: f64 = 1e-3;
 const SAME_TIME: f64 = 1e-9;
 /// Points nearer to each other than this are one, and axes stand still, m or rad.
 const SAME_PLACE: f64 = 1e-9;
-/// Feeds are told apart to this part of them.
+/// Feeds are distinguished to this part of them.
 const SAME: f64 = 1e-12;
-/// A feed is looked for in so many steps, and below this part of the present one it is none.
-const TRIES: u32 = 40;
+/// A feed below this part of the present one is none.
 const LEAST_PART: f64 = 1e-3;
 /// Parts of a feed with which a value is looked at again: lower feeds may be worse.
 const PARTS: [f64; 6] = [1.0, 0.9, 0.7, 0.5, 0.25, 0.1];
 
+/// The tool is at an edge of the reach if it is nearer to it than this, m.
+const AT_EDGE: f64 = 1e-6;
+
+/// A joint of the path, between two pieces.
+#[derive(Debug)]
+struct Joint {
+    /// When, s.
+    time: f64,
+    /// Changes of the axes' velocities, m/s or rad/s.
+    changes: AxisVector,
+    /// Direction of the path before it, work frame.
+    before: Vector3<f64>,
+}
+
 /// The end of the last piece.
 #[derive(Debug)]
 struct Last {
+    element: Arc<BlendedElement>,
+    /// Path length on it, m, and velocity, m/s.
+    state: [f64; 2],
     place: Place,
     /// When, s.
     time: f64,
@@ -55,6 +72,8 @@ pub(super) struct PieceCheck<'m> {
     pub(super) path: MachinePath<'m>,
     near: AxisVector,
     last: Option<Last>,
+    /// Joints within the last cycle.
+    joints: VecDeque<Joint>,
     /// Where the last piece ended, work frame, if the tool turns with the path: at corners it does so at once.
     tip: Option<Point3<f64>>,
     /// The last piece is out of reach, so that nothing is known of its end.
@@ -129,6 +148,7 @@ impl<'m> PieceCheck<'m> {
             path: MachinePath::without_motors(machine),
             near,
             last: None,
+            joints: VecDeque::new(),
             tip: None,
             lost: false,
             open: None,
@@ -161,6 +181,9 @@ impl<'m> PieceCheck<'m> {
     ) {
         // Rounding makes pieces without a duration, whose acceleration says nothing.
         if planned.piece.duration < SAME_TIME {
+            if let Some(last) = self.last.as_mut().filter(|last| last.goes_on(planned)) {
+                last.time = planned.start() + planned.piece.duration;
+            }
             return;
         }
         let place = planned.element.place();
@@ -187,24 +210,33 @@ impl<'m> PieceCheck<'m> {
         let mut open = self.open.take().unwrap_or_else(|| Open::at(planned, &self.near));
         let lost = std::mem::take(&mut self.lost);
         let jumps = self.jumps(&examined);
+        if !lost {
+            self.join(&examined);
+        }
         for (index, (axis, peak)) in self.machine.axes.iter().zip(peaks).enumerate() {
             if self.sampled.get(index).copied().unwrap_or_default() {
                 continue;
             }
             let mut report = |finding| findings.add(Some(About::Axis(index)), finding);
             self.values(&examined, index, axis, peak, &mut open.wrong, &mut report);
-            let edge = examined.extremes.axes.get(index).map_or(0.0, |found| found.step.value);
+            let step = examined.extremes.axes.get(index).map(|found| found.step);
             let limit = self.step_limit(index);
-            if exceeds(edge, limit) {
-                let finding = messages::steps_at_edge(axis, place, edge, limit);
-                open.wrong.push(Wrong { axis: index, quantity: Quantity::Step, limit, finding });
+            if let Some(step) = step.filter(|step| exceeds(step.value, limit)) {
+                let (state, _) = planned.piece.at(step.at);
+                let finding = messages::step(axis, place, step.value, limit);
+                if self.is_at_edge(&planned.element, state.position) {
+                    let (finding, quantity) = (messages::at_edge(finding), Quantity::Step);
+                    open.wrong.push(Wrong { axis: index, quantity, limit, finding });
+                } else {
+                    report(messages::at_once(finding, state.velocity * limit / step.value));
+                }
             }
             if let Some(jumps) = &jumps {
                 self.jump(&examined, jumps, index, peak, &mut report);
             }
             if !lost {
                 let ends = (self.last.as_ref(), Some(&examined));
-                self.step(ends, index, peak, &mut open.wrong, &mut report);
+                self.step(ends, (index, rapids), peak, &mut open.wrong, &mut report);
             }
         }
         let [_, end] = examined.extremes.ends;
@@ -216,6 +248,8 @@ impl<'m> PieceCheck<'m> {
         let with_path = matches!(self.machine.direction, DirectionRule::Path(..));
         self.tip = with_path.then(|| planned.element.at(state.position).position);
         self.last = Some(Last {
+            element: Arc::clone(&planned.element),
+            state: [state.position, state.velocity],
             place,
             time: planned.start() + planned.piece.duration,
             node: end,
@@ -239,6 +273,38 @@ impl<'m> PieceCheck<'m> {
         self.close(findings, rapids);
     }
 
+    /// Adds what velocities change at the start of a piece to the joints of the last cycle.
+    fn join(&mut self, examined: &Examined<'_>) {
+        let Examined { planned, extremes, .. } = examined;
+        let now = planned.start();
+        let oldest = now - seconds(self.machine.cycle_ns) * (1.0 - SAME_PLACE);
+        self.joints.retain(|joint| joint.time > oldest);
+        let [start, _] = &extremes.ends;
+        let direction = tangent(&planned.element, &planned.piece, 0.0);
+        let (changes, before) = match &self.last {
+            Some(last) => {
+                let pairs = start.rates[0].iter().zip(last.node.rates[0].iter());
+                (AxisVector::from_values(pairs.map(|(to, from)| to - from)), last.tangent)
+            }
+            None => (start.rates[0], direction),
+        };
+        self.joints.push_back(Joint { time: now, changes, before });
+    }
+
+    /// What the velocity of an axis has changed at joints of the path within the last cycle, and by what angle the path has
+    /// turned there to `direction`, rad.
+    fn joined(&self, index: usize, direction: &Vector3<f64>) -> (f64, f64) {
+        let changes = self.joints.iter().filter_map(|joint| joint.changes.get(index));
+        let angle = self.joints.front().map_or(0.0, |joint| joint.before.angle(direction));
+        (changes.sum::<f64>().abs(), angle)
+    }
+
+    /// True if the tool is at an edge of the reach `s` m from the start of an element.
+    fn is_at_edge(&self, element: &BlendedElement, s: f64) -> bool {
+        let margins = self.machine.kinematics.margins(&self.path.pose(element, s));
+        margins.is_ok_and(|margins| margins.boundary.min(margins.branch) < AT_EDGE)
+    }
+
     /// The path comes to rest after the last piece.
     fn rest(&mut self, peaks: &mut [AxisPeak], findings: &mut Findings) {
         let Some(last) = self.last.take() else { return };
@@ -246,7 +312,7 @@ impl<'m> PieceCheck<'m> {
         for (index, peak) in peaks.iter_mut().enumerate() {
             if !self.sampled.get(index).copied().unwrap_or_default() {
                 let mut report = |finding| findings.add(Some(About::Axis(index)), finding);
-                self.step((Some(&last), None), index, peak, &mut wrong, &mut report);
+                self.step((Some(&last), None), (index, None), peak, &mut wrong, &mut report);
             }
         }
         if let Some(open) = &mut self.open {
@@ -264,7 +330,11 @@ impl<'m> PieceCheck<'m> {
                     wrong.finding.hint = Some(self.remedy(&open, &wrong));
                 }
             }
+            if !self.feeds {
+                wrong.finding.hint = Some(messages::LOWER.to_owned());
+            }
             if open.element.rapid()
+                && !matches!(wrong.quantity, Quantity::Step)
                 && let Some(velocity) = rapids
             {
                 wrong.finding.hint = Some(messages::rapid_hint(velocity));
@@ -392,7 +462,7 @@ impl<'m> PieceCheck<'m> {
     fn step(
         &self,
         (last, next): (Option<&Last>, Option<&Examined<'_>>),
-        index: usize,
+        (index, rapids): (usize, Option<f64>),
         peak: &mut AxisPeak,
         wrong: &mut Vec<Wrong>,
         report: &mut dyn FnMut(Finding),
@@ -413,20 +483,45 @@ impl<'m> PieceCheck<'m> {
             (None, None) => Place::default(),
         };
         let limit = self.step_limit(index);
-        if exceeds(velocity, limit) {
-            let (place, value) = (place(start.is_some()), velocity.abs());
-            match (last, next) {
-                (Some(last), Some(Examined { planned, .. })) if passes(planned) => {
-                    let direction = tangent(&planned.element, &planned.piece, 0.0);
-                    let feed = planned.piece.at(0.0).0.velocity * limit / value;
-                    let angle = last.tangent.angle(&direction);
-                    report(messages::steps_at_corner(axis, place, value, limit, angle, feed));
-                }
-                _ => {
-                    let finding = messages::steps_at_edge(axis, place, value, limit);
-                    wrong.push(Wrong { axis: index, quantity: Quantity::Step, limit, finding });
+        let (place_of_step, value) = (place(start.is_some()), velocity.abs());
+        match (last, next) {
+            (Some(_), Some(Examined { planned, .. })) if passes(planned) => {
+                // Corners that follow each other within a cycle are one for the axis.
+                let direction = tangent(&planned.element, &planned.piece, 0.0);
+                let (joined, angle) = self.joined(index, &direction);
+                let value = value.max(joined);
+                if exceeds(value, limit) {
+                    let mut feed = Some(planned.piece.at(0.0).0.velocity * limit / value);
+                    let finding = messages::step(axis, place_of_step, value, limit);
+                    let mut finding = messages::at_corner(finding, angle);
+                    if planned.element.rapid()
+                        && let Some(velocity) = rapids
+                    {
+                        (finding.hint, feed) = (Some(messages::rapid_hint(velocity)), None);
+                    }
+                    finding.largest_feed_mm_per_s = feed.map(|feed| feed * 1e3);
+                    report(finding);
                 }
             }
+            _ if exceeds(value, limit) => {
+                let finding = messages::step(axis, place_of_step, value, limit);
+                let here = match (last, next) {
+                    (_, Some(Examined { planned, .. })) => {
+                        Some((&planned.element, planned.piece.at(0.0).0.position))
+                    }
+                    (Some(last), None) => Some((&last.element, last.state[0])),
+                    (None, None) => None,
+                };
+                if here.is_some_and(|(element, s)| self.is_at_edge(element, s)) {
+                    let (finding, quantity) = (messages::at_edge(finding), Quantity::Step);
+                    wrong.push(Wrong { axis: index, quantity, limit, finding });
+                } else {
+                    let moving = last.map_or(0.0, |last| last.state[1]);
+                    let starting = next.map_or(0.0, |next| next.planned.piece.at(0.0).0.velocity);
+                    report(messages::at_once(finding, moving.max(starting) * limit / value));
+                }
+            }
+            _ => {}
         }
         let jerk = acceleration.abs() / seconds(self.machine.cycle_ns);
         let place = place(of(start, 1).abs() >= of(before, 1).abs());
@@ -439,43 +534,30 @@ impl<'m> PieceCheck<'m> {
 
     /// The largest feed of an element below which a value stays within its limit, mm/s; none if no feed is small enough.
     fn largest_feed(&self, open: &Open, wrong: &Wrong) -> Option<f64> {
-        let power = match wrong.quantity {
-            Quantity::Velocity => 1.0,
-            Quantity::Acceleration | Quantity::Deceleration => 0.5,
-            Quantity::Step => return None,
-        };
-        // Where the value goes with a power of the feed, this finds it at once.
-        let mut above = open.fastest;
-        let mut below = 0.0;
-        for _ in 0..TRIES {
-            if above < LEAST_PART * open.fastest {
-                return None;
-            }
-            let value = self.value(open, wrong, above)?;
-            let next = above * (wrong.limit / value).powf(power).min(1.0);
-            if next * (1.0 + SAME) >= above {
-                below = next * (1.0 - SAME);
-                break;
-            }
-            above = next;
+        if matches!(wrong.quantity, Quantity::Step) {
+            return None;
         }
         let holds = |feed: f64| {
             self.value(open, wrong, feed).is_some_and(|value| !exceeds(value, wrong.limit))
         };
-        // No larger one than those below which it holds, either.
-        for _ in 0..TRIES {
+        // Lower feeds may be worse: none counts below which it does not hold.
+        let fails = |feed: f64| {
+            let lower = PARTS.into_iter().map(|part| part * feed);
+            lower.into_iter().find(|feed| !holds(*feed))
+        };
+        let (mut below, mut top) = (open.fastest, open.fastest);
+        while let Some(failing) = fails(below) {
+            (below, top) = (0.5 * failing, failing);
             if below < LEAST_PART * open.fastest {
                 return None;
             }
-            match PARTS.into_iter().find(|part| !holds(part * below)) {
-                Some(part) => below *= 0.5 * part,
-                None => break,
-            }
         }
-        let mut top = open.fastest;
         while top > below * (1.0 + SAME) {
             let middle = below.midpoint(top);
-            if holds(middle) { below = middle } else { top = middle }
+            match fails(middle) {
+                None => below = middle,
+                Some(_) => top = middle,
+            }
         }
         Some(below * 1e3)
     }
@@ -502,8 +584,10 @@ impl<'m> PieceCheck<'m> {
 
     /// The floor of an axis of which nothing is of interest.
     pub(super) fn nothing(&self, axis: usize) -> Option<Floor> {
-        let own = self.machine.axes.get(axis)?.own_deceleration();
-        Some(Floor { deceleration: own.map(|_| f64::INFINITY), ..NOTHING })
+        let axis = self.machine.axes.get(axis)?;
+        let deceleration = axis.own_deceleration().map(|_| f64::INFINITY);
+        // What is 0 is known from the largest velocity.
+        Some(Floor { deceleration, velocity: axis.max_velocity, ..NOTHING })
     }
 
     /// What one axis does above its floor, with a `feed` (m/s) on the element.
@@ -522,20 +606,29 @@ impl<'m> PieceCheck<'m> {
         let examiner = Examiner::new(path, seconds(self.machine.cycle_ns));
         let mut largest = AxisExtremes::default();
         let mut near = open.near;
+        // Velocity at the end of the piece before; where it is not known, nothing steps.
+        let mut before = (open.ends[0] <= 0.0).then_some(0.0);
         for piece in pieces.iter().filter(|piece| piece.duration >= SAME_TIME) {
             let found = examiner.examine(element, piece, &near, &floors).ok()?;
-            near = found.ends[1].position;
+            let [start, end] = &found.ends;
+            near = end.position;
+            let step = before
+                .map_or(0.0, |before| start.rates[0].get(axis).map_or(0.0, |v| (v - before).abs()));
+            before = end.rates[0].get(axis).copied();
             let found = found.axes.get(axis)?;
             for (most, one) in [
                 (&mut largest.velocity, found.velocity),
                 (&mut largest.acceleration, found.acceleration),
                 (&mut largest.deceleration, found.deceleration),
-                (&mut largest.step, found.step),
+                (&mut largest.step, Largest { value: found.step.value.max(step), ..found.step }),
             ] {
                 if one.value > most.value {
                     *most = one;
                 }
             }
+        }
+        if let Some(last) = before.filter(|_| open.ends[1] <= 0.0) {
+            largest.step.value = largest.step.value.max(last.abs());
         }
         Some(largest)
     }

@@ -71,6 +71,32 @@ fn a_corner_within_the_tolerance_steps() {
     );
 }
 
+/// A circle of 1 mm as chords of just less than 0.02 mm: each corner of 1.146° is a step of 2 mm/s, and six of them make one of
+/// 2·F·sin(6·1.146°/2) within a cycle.
+#[test]
+fn corners_that_follow_each_other_within_a_cycle_are_one() {
+    let angle = 0.02_f64;
+    let mut program = "% chords\nN10 G92 X100 Y100\nN20 F100 E2900 E-2900\n".to_owned();
+    for (corner, number) in (1..=400).zip((30..).step_by(10)) {
+        let (sin, cos) = (f64::from(corner) * angle).sin_cos();
+        program += &format!("N{number} G1 X{:.9} Y{:.9}\n", 99.0 + cos, 100.0 + sin);
+    }
+    let outcome = checked(GANTRY3, &program);
+    let expected = 200.0 * (3.0 * angle).sin();
+    for axis in ["X", "Y"] {
+        let found = values(&outcome, Rule::AxisVelocityStep).into_iter();
+        let worst = found
+            .filter(|(name, _)| *name == axis)
+            .fold(0.0, |worst, (_, value)| f64::max(worst, value));
+        assert!((worst / expected - 1.0).abs() < 1e-3, "{axis}: {worst}");
+    }
+    // At 55 mm/s three of 1.1 mm/s are in a cycle, at 30 mm/s two of 0.6 mm/s.
+    let slower = |feed: &str| checked(GANTRY3, &program.replace("F100", feed)).findings;
+    let steps =
+        |findings: &[Finding]| findings.iter().any(|one| one.rule == Rule::AxisVelocityStep);
+    assert!(steps(&slower("F55")) && !steps(&slower("F30")));
+}
+
 /// 300 mm/s are just reached over 5 mm with 1000 mm/s², but for rounding; what is left of the ramp has no acceleration.
 #[test]
 fn ramps_without_a_duration_have_no_acceleration() {
@@ -124,7 +150,34 @@ fn a_circle_that_touches_the_edge_of_the_reach_steps() {
     let outcome = checked(SCARA2, program);
     // |θ̇| = F/r = 1.2 rad/s.
     let b = 2.0 * 0.632_5 * 1.2_f64.to_degrees();
-    near(&values(&outcome, Rule::AxisVelocityStep), &[("A", b * 200.0 / 450.0), ("B", b)], 2e-3);
+    let wanted = [("A", b * 200.0 / 450.0), ("B", b)];
+    near(&values(&outcome, Rule::AxisVelocityStep), &wanted, 2e-3);
+    // The same where one half of the circle ends and the other begins.
+    let halves = "% touches\nN10 G92 X350 Y0 Z20\nN20 F60 E300 E-300\nN30 G3 X450 I50 J0\nN40 G3 X350 I-50 J0\n";
+    near(&values(&checked(SCARA2, halves), Rule::AxisVelocityStep), &wanted, 2e-3);
+}
+
+/// A move against the direction of an axis slows where it ends: with the feeds that are advised the deceleration fits.
+#[test]
+fn decelerations_have_their_own_feeds_in_both_directions() {
+    let limit = "max_acceleration_mm_per_s2 = 3000.0";
+    let own = GANTRY3.replace(limit, &format!("{limit}\nmax_deceleration_mm_per_s2 = 1500.0"));
+    // On the circle both axes slow by F²/r as often as they speed up.
+    for sign in ["", "-"] {
+        let program = |feed: f64| {
+            format!(
+                "% x\nN10 G92 X200 Y0\nN20 F{feed:.9} E500 E-500\nN30 G1 X{sign}10\nN40 G3 I0 J20\nN50 G1 X{sign}200\n"
+            )
+        };
+        let outcome = checked(&own, &program(200.0));
+        let found =
+            outcome.findings.iter().filter(|one| one.line == 5 && one.limit == Some(1500.0));
+        let feeds: Vec<_> = found.map(|one| one.largest_feed_mm_per_s.unwrap()).collect();
+        assert!(!feeds.is_empty(), "{:?}", outcome.findings);
+        for feed in feeds {
+            assert!((feed / (1500.0 * 20.0_f64).sqrt() - 1.0).abs() < 1e-3, "{feed}");
+        }
+    }
 }
 
 /// Where no feed helps, the part moved by what the message says does, and by 0.1 mm less does not.

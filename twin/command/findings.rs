@@ -1,7 +1,7 @@
 //! Findings on a terminal, with the program lines they refer to.
 
 use super::{causes, underline};
-use crate::finding::{Finding, Severity};
+use crate::finding::{self, Finding, Severity};
 use crate::program::{Dialect, ProgramFile};
 use miette::{
     Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
@@ -11,10 +11,33 @@ use std::fmt;
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 use std::ops::Range;
 use twin_machine::text;
+use twin_number::counted;
 use twin_path::Place;
 
 /// How many findings a person is shown.
 const SHOWN_FINDINGS: usize = 20;
+
+/// The verdict with the number of errors and warnings, and the worst finding if it is not fit.
+pub(super) fn verdict(findings: &[Finding], left_out: u64) -> String {
+    let count = |severity| findings.iter().filter(|finding| finding.severity == severity).count();
+    let errors = count(Severity::Error);
+    let warnings = count(Severity::Warning);
+    let verdict = if errors == 0 { "fit" } else { "not fit" };
+    let left_out = match left_out {
+        0 => String::new(),
+        more => format!(" (and {more} findings more, left out)"),
+    };
+    let worst = finding::worst(findings).map(|worst| {
+        let place = Place { line: worst.line, block: worst.block };
+        format!("\n  worst: {place}: {}", worst.message)
+    });
+    format!(
+        "{verdict}: {}, {}{left_out}{}",
+        counted(errors, "error"),
+        counted(warnings, "warning"),
+        worst.unwrap_or_default()
+    )
+}
 
 /// Shows findings on standard error with their program lines, the worst first, and findings of one cause once. Notes take one
 /// line together unless `notes` asks for each.

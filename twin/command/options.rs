@@ -43,7 +43,7 @@ impl MachineOption {
 pub(super) struct LimitsOption {
     /// Plan of the velocity: within the limits of every axis, or by F and E alone as SoftMotion's own plan, whose overloads are
     /// errors [default: `plan` of [controller] in the machine file, which is axes unless it says otherwise; programmed with
-    /// --profile, --look-ahead, --at and --by-position]
+    /// --profile, --look-ahead, --at, --by-position and an --override above 200]
     #[arg(long, value_enum)]
     limits: Option<Limits>,
 }
@@ -421,8 +421,8 @@ pub(super) fn plans_without_inputs(program: &ProgramFile) -> Result<(), Failure>
     within_axes(program).map_err(|message| Failure::Usage(message.to_owned()))
 }
 
-/// Why a program cannot be planned within the limits of the axes: such plans have no profile, and no override above the
-/// largest.
+/// Refuses programs that cannot be planned within the limits of the axes: such plans have no profile, and no override above
+/// the largest.
 fn within_axes(program: &ProgramFile) -> Result<(), &'static str> {
     let Inputs { override_factor, mode, .. } = program.settings().inputs;
     Err(if mode != VelocityMode::default() {

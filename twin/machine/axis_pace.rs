@@ -84,24 +84,23 @@ impl AxisPace {
             Along::Weakest => values.fold(f64::INFINITY, f64::min),
             Along::Strongest => values.fold(0.0, f64::max),
         };
-        if points.is_empty() {
-            // The machine does not move here, or not at all.
-            let open = |value: f64, default| if value.is_finite() { value } else { default };
-            element.feed = open(element.feed, RAPID_VELOCITY);
-            element.acceleration = open(element.acceleration, ACCELERATION);
-            element.deceleration = open(element.deceleration, ACCELERATION);
-            return;
-        }
-        if matches!(element.kind, ElementKind::Rapid) {
+        // Where no axis of the machine moves, nothing limits the path.
+        let open = |value: f64, default| if value.is_finite() { value } else { default };
+        if matches!(element.kind, ElementKind::Rapid) && !points.is_empty() {
             let velocity = choose(&mut points.iter().map(|rates| self.velocity(rates)));
             element.feed = element.feed.min(velocity);
         }
-        let v2 = element.feed.powi(2);
-        let [up, down] = [false, true].map(|slows| {
-            choose(&mut points.iter().map(|rates| self.acceleration(rates, v2, slows)))
-        });
-        element.acceleration = element.acceleration.min(up);
-        element.deceleration = element.deceleration.min(down);
+        element.feed = open(element.feed, RAPID_VELOCITY);
+        if !points.is_empty() {
+            let v2 = element.feed.powi(2);
+            let [up, down] = [false, true].map(|slows| {
+                choose(&mut points.iter().map(|rates| self.acceleration(rates, v2, slows)))
+            });
+            element.acceleration = element.acceleration.min(up);
+            element.deceleration = element.deceleration.min(down);
+        }
+        element.acceleration = open(element.acceleration, ACCELERATION);
+        element.deceleration = open(element.deceleration, ACCELERATION);
     }
 
     /// Derivatives at points of an element; none where the machine does not come.

@@ -2,7 +2,7 @@
 
 /// Degree of an axis's velocity between two nodes; that of its position is one more.
 const DEGREE: usize = 5;
-/// Places are told apart to this part of an interval.
+/// Places are distinguished to this part of an interval.
 const SMALLEST: f64 = 1e-9;
 
 /// A polynomial over 0 to 1.

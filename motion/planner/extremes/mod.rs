@@ -37,8 +37,10 @@ const WIDE: f64 = 1e4;
 const SAMPLED: u32 = 16;
 /// Where a blend ends or begins derivatives step; those of a piece are looked at so far within it, as a part of its length.
 const INSIDE: f64 = 1e-9;
-/// Turns of rotary axes are followed in at most so many steps.
-const TURN_STEPS: f64 = 16.0;
+/// Turns of rotary axes are followed in steps no shorter than this part of the way.
+const SHORTEST_STEP: f64 = 1e-6;
+/// A position may be less certain than an extreme by this, m or rad.
+const CERTAIN_POSITION: f64 = 1e-9;
 
 /// A value and when it is taken, s from the start of the piece.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,8 +59,8 @@ impl Largest {
     }
 }
 
-/// What is of no interest below: the smaller of what is known to be taken elsewhere and of what is allowed, and a small part
-/// of that at least. SI.
+/// Values below which an extreme does not count: the smaller of what is known to be taken elsewhere and of what is allowed, and a
+/// small part of that at least. SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floor {
     /// Positions between these.
@@ -123,7 +125,7 @@ pub struct OutOfReach {
     pub error: KinematicsError,
 }
 
-/// What is in the way of an answer.
+/// Reason why a window has no extremes.
 enum Obstacle {
     /// An edge of the reach, s from the start of the piece.
     Edge(f64),
@@ -136,7 +138,7 @@ struct Along<'e> {
     element: &'e BlendedElement,
     piece: &'e Piece,
     floors: &'e [Floor],
-    /// From where to where it goes, m.
+    /// Its start and end on the element, m.
     within: [f64; 2],
 }
 
@@ -197,14 +199,14 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
                 }
             }
         }
-        let at_end = last.filter(|node| node.time >= piece.duration);
-        found.ends[1] = at_end.unwrap_or_else(|| {
-            // The end is at an edge: the path rests there, or goes on by nobody knows what.
-            let before = last.unwrap_or(nowhere);
-            let resting = Node { time: piece.duration, ..Node::resting(before.position) };
-            found.step(&before, &resting);
-            resting
-        });
+        let mut end = last.unwrap_or(nowhere);
+        if end.time < piece.duration {
+            // The end is at an edge: the velocities are those before it, and nothing else of that cycle counts.
+            let [velocity, ..] = end.rates;
+            let zero = AxisVector::zeros(velocity.len());
+            end = Node { time: piece.duration, rates: [velocity, zero, zero], ..end };
+        }
+        found.ends[1] = end;
         Ok(found)
     }
 
@@ -225,9 +227,8 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         let mut left = vec![[first, last]];
         while let Some([from, to]) = left.pop() {
             let width = to.time - from.time;
-            let pairs = from.position.iter().zip(to.position.iter());
-            let near = AxisVector::from_values(pairs.map(|(from, to)| from.midpoint(*to)));
-            let middle = self.node(along, from.time.midpoint(to.time), &near)?;
+            let middle = from.time.midpoint(to.time);
+            let middle = self.node(along, middle, &self.turns(along, &from, middle))?;
             found.take(&middle, along.floors);
             let settled = if let Some((radius, change)) = &middle.disc {
                 let between = Between { from: &from, to: &to, radius: *radius, change };
@@ -245,6 +246,7 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
                 if edge {
                     return Err(Obstacle::Edge(middle.time));
                 }
+                found.is_proven = false;
                 continue;
             }
             left.push([middle, to]);
@@ -255,18 +257,19 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
 
     /// Position near that at the time `to`, by the turn of rotary axes: an arc may take them round by more than half a turn.
     fn turns(&self, along: &Along<'_>, first: &Node, to: f64) -> AxisVector {
-        let width = to - first.time;
-        let steps = first.disc.map_or(f64::INFINITY, |(radius, _)| width / radius);
-        let mut near = first.position;
-        let mut part = 1.0;
-        while part < steps.min(TURN_STEPS) {
-            let time = first.time + width * part / steps.min(TURN_STEPS);
-            if let Ok(node) = self.node(along, time, &near) {
-                near = node.position;
+        let shortest = SHORTEST_STEP * (to - first.time);
+        let mut node = *first;
+        loop {
+            let radius = node.disc.map_or(f64::INFINITY, |(radius, _)| radius);
+            let time = node.time + radius.max(shortest);
+            if time >= to {
+                return node.position;
             }
-            part += 1.0;
+            match self.node(along, time, &node.position) {
+                Ok(next) => node = next,
+                Err(_) => return node.position,
+            }
         }
-        near
     }
 
     fn node(&self, along: &Along<'_>, time: f64, near: &AxisVector) -> Result<Node, Obstacle> {
@@ -332,7 +335,7 @@ impl Extremes {
         }
     }
 
-    /// What the velocities change across an edge of the reach is a step; so is what they do not explain of the positions.
+    /// Counts the change of velocities across an edge of the reach as a step, and that of positions which they do not explain.
     fn step(&mut self, from: &Node, to: &Node) {
         for (index, axis) in self.axes.iter_mut().take(from.position.len()).enumerate() {
             let [first, last] = [from, to].map(|node| node.rates[0][index]);
@@ -359,7 +362,10 @@ impl Extremes {
         for (index, (axis, floor)) in self.axes.iter().zip(floors).take(count).enumerate() {
             // A disc that is larger than it is taken is no worse.
             let most = change[index] * (between.radius.min(WIDE * width) / between.radius).min(1.0);
-            let most = if most.is_finite() { most } else { 0.0 };
+            let most = if between.radius.is_infinite() { 0.0 } else { most };
+            if !most.is_finite() {
+                return false;
+            }
             let errors = [
                 7.0 * most * scale * ratio * ratio,
                 42.0 * most * scale * ratio / radius,
@@ -396,10 +402,19 @@ impl Extremes {
             if floor.deceleration.is_some() && both {
                 return false;
             }
-            curves[index] = Some((velocity, acceleration, jerk));
+            let turns = low - errors[0] < 0.0 && high + errors[0] > 0.0;
+            if turns && errors[0] * width > CERTAIN_POSITION {
+                let [lowest, highest] = velocity.integral(width).hull();
+                let [least, most] = floor.position.map(|position| position - from.position[index]);
+                let error = errors[0] * width;
+                if lowest - error < least || highest + error > most {
+                    return false;
+                }
+            }
+            curves[index] = Some((velocity, acceleration, jerk, turns));
         }
         for (index, (axis, floor)) in self.axes.iter_mut().zip(floors).take(count).enumerate() {
-            let Some((velocity, acceleration, jerk)) = curves[index] else { continue };
+            let Some((velocity, acceleration, jerk, turns)) = curves[index] else { continue };
             let time = |part: f64| from.time + part * width;
             let upper = |curve: &Bernstein, floor: f64, of: &mut Largest| {
                 if let Some((value, part)) = curve.largest(floor.max(of.value), TOLERANCE) {
@@ -428,8 +443,7 @@ impl Extremes {
                     }
                 }
             }
-            let [low, high] = velocity.hull();
-            if low < 0.0 && high > 0.0 {
+            if turns {
                 let (start, curve) = (from.position[index], velocity.integral(width));
                 let [least, most] = floor.position.map(|position| position - start);
                 if let Some((value, _)) = curve.largest(most, TOLERANCE) {
@@ -444,7 +458,7 @@ impl Extremes {
     }
 }
 
-/// From where to where a piece goes, m. At the ends of blends it is a little less.
+/// Start and end of a piece on its element, m. At the ends of blends it is a little less.
 fn within(element: &BlendedElement, piece: &Piece) -> [f64; 2] {
     let [from, to] = [0.0, piece.duration].map(|time| piece.at(time).0.position);
     let length = element.length();

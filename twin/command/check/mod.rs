@@ -23,7 +23,6 @@ use twin_kinematics::AxisVector;
 use twin_machine::{Machine, Scenario};
 use twin_number::counted;
 use twin_number::seconds;
-use twin_path::Place;
 
 /// Check programs against a machine: syntax, reach, axis limits, velocities and accelerations, per program line
 ///
@@ -271,34 +270,16 @@ pub(super) fn human(
     outcome: &Outcome,
     verbose: bool,
 ) -> io::Result<()> {
-    writeln!(out, "{}: {}", program.path().display(), verdict(outcome))?;
+    writeln!(
+        out,
+        "{}: {}",
+        program.path().display(),
+        show::verdict(&outcome.findings, outcome.findings_left_out)
+    )?;
     // Findings go to standard error, and must not overtake it.
     out.flush()?;
     show::findings(program, &outcome.findings, verbose);
     tables(out, machine, program, outcome)
-}
-
-/// The verdict with the number of errors and warnings, and the worst finding if it is not fit.
-fn verdict(outcome: &Outcome) -> String {
-    let count =
-        |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();
-    let errors = count(finding::Severity::Error);
-    let warnings = count(finding::Severity::Warning);
-    let verdict = if errors == 0 { "fit" } else { "not fit" };
-    let left_out = match outcome.findings_left_out {
-        0 => String::new(),
-        more => format!(" (and {more} findings more, left out)"),
-    };
-    let worst = finding::worst(&outcome.findings).map(|worst| {
-        let place = Place { line: worst.line, block: worst.block };
-        format!("\n  worst: {place}: {}", worst.message)
-    });
-    format!(
-        "{verdict}: {}, {}{left_out}{}",
-        counted(errors, "error"),
-        counted(warnings, "warning"),
-        worst.unwrap_or_default()
-    )
 }
 
 /// The verdict of a check and its tables.
@@ -308,7 +289,7 @@ pub(super) fn summary(
     program: &ProgramFile,
     outcome: &Outcome,
 ) -> io::Result<()> {
-    writeln!(out, "{}", verdict(outcome))?;
+    writeln!(out, "{}", show::verdict(&outcome.findings, outcome.findings_left_out))?;
     tables(out, machine, program, outcome)
 }
 

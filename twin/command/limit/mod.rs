@@ -399,10 +399,11 @@ fn report(
             writeln!(out)
         }
         Format::Human => {
-            show::findings(program, findings, true);
             if finding::unfit(findings) {
-                writeln!(out, "not fit; what follows is of what can be planned")?;
+                writeln!(out, "{}: {}", program.path().display(), show::verdict(findings, 0))?;
+                out.flush()?;
             }
+            show::findings(program, findings, true);
             write_summary(&mut out, machine, program, summary)
         }
     }
