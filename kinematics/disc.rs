@@ -26,12 +26,12 @@ pub struct ToolDisc {
 }
 
 impl ToolDisc {
-    /// How far each coordinate of the tip goes within |σ| ≤ `radius`, m.
+    /// Largest motion of each coordinate of the tip within |σ| ≤ `radius`, m.
     pub fn way(&self, radius: f64) -> Vector3<f64> {
         (self.rate.abs() + self.bend * (0.5 * radius)) * radius
     }
 
-    /// How far the tool turns within |σ| ≤ `radius`, rad.
+    /// Largest turn of the tool within |σ| ≤ `radius`, rad.
     pub fn turn(&self, radius: f64) -> f64 {
         (self.turn_rate.abs() + 0.5 * self.turn_bend * radius) * radius
     }
@@ -47,7 +47,7 @@ impl ToolDisc {
 pub struct AxisDisc {
     /// Largest |σ|; 0 at the edge of the reach.
     pub radius: f64,
-    /// How far each axis changes at most within it, m or rad.
+    /// Largest change of each axis within it, m or rad.
     pub change: AxisVector,
 }
 
@@ -71,12 +71,12 @@ pub(crate) struct Square {
 }
 
 impl Square {
-    /// How far u goes within `radius`.
+    /// Largest motion of u within `radius`.
     pub(crate) fn way(&self, radius: f64) -> f64 {
         (self.rate + 0.5 * self.bend * radius) * radius
     }
 
-    /// How far |u|² changes at most within `radius`.
+    /// Largest change of |u|² within `radius`.
     pub(crate) fn change(&self, radius: f64) -> f64 {
         let way = self.way(radius);
         (2.0 * self.along + self.size * self.bend * radius) * radius + way * way

@@ -399,7 +399,7 @@ impl Kinematics for MachineAxes {
         let [rate, bend] = [&path.rate, &path.bend].map(|values| self.part_of_transform(values));
         let part = ToolDisc { pose, rate, bend, ..*path };
         let AxisDisc { radius, change } = self.transform.disc(&part)?;
-        // Axes of their own change as much as the tool at most; what additional axes do nobody says here.
+        // Axes of their own change as much as the tool at most; what additional axes do is unknown here.
         let change = self.sources.iter().map(|source| match *source {
             AxisSource::Transform(output) => change.get(output).copied().unwrap_or_default(),
             AxisSource::Coordinate(coordinate) => coordinate.of(&path.way(radius), 0.0),

@@ -38,8 +38,8 @@ pub(super) trait Planar {
     /// Fourth derivative with respect to t, m.
     fn fourth(&self, t: f64) -> Vector2<f64>;
 
-    /// How far t may go into complex numbers about `t` so that the first derivative changes by no more than
-    /// [`CHANGE`] of its size `first`, where `second` is that of the second.
+    /// Radius of complex numbers about `t` within which the first derivative changes by no more than [`CHANGE`] of its size
+    /// `first`, where `second` is that of the second.
     fn room(&self, t: f64, first: f64, second: f64) -> f64;
 
     /// Speed with respect to t, m.

@@ -27,7 +27,7 @@ impl PathDisc {
 const S_PROFILE: f64 = 1_800.0;
 
 impl PathElement {
-    /// How the element goes on into complex path lengths about `s`, m.
+    /// Disc about `s` (m) of complex path lengths on which the element is analytic.
     pub fn disc(&self, s: f64) -> PathDisc {
         let (radius, bend) = self.shape.disc(s);
         let mut disc = PathDisc { radius, bend, ..PathDisc::STRAIGHT };

@@ -458,7 +458,7 @@ fn a_program_that_is_not_fit_is_called_so() {
     let done = limit(&desk, "--feasible slower.cnc");
     done.ended(1, "axis X at 900.000 mm is above its software limit of 650.000 mm");
     done.ended(1, "slower.cnc: not written");
-    assert!(done.stdout.starts_with("not fit"), "{}", done.stdout);
+    assert!(done.stdout.starts_with("lines.cnc: not fit: 1 error"), "{}", done.stdout);
     assert!(!desk.path("slower.cnc").exists());
     desk.write("lines.cnc", "% nothing\n");
     limit(&desk, "").ended(1, "no block that moves anything");

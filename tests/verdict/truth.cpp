@@ -437,7 +437,8 @@ Truth judge(const Machine& m, const string& text, bool din, Sampling sampling) {
             double& reach = truth.reach_of_element[piece.element];
             reach = std::min(reach, margin);
             if (!reached) { last_element = -1; joints.clear(); return; }
-            bool joins = first && last_element >= 0 && !(e.jump_before && last_element != piece.element);
+            bool jumps = e.jump_before && last_element != piece.element, joins = first && last_element >= 0 && !jumps;
+            if (first && jumps) joints.clear();
             if (joins) {
                 while (!joints.empty() && joints.front().time <= piece.t0 - CYCLE_S * (1 - 1e-9)) joints.pop_front();
                 joints.push_back({piece.t0, {}});
@@ -456,10 +457,12 @@ Truth judge(const Machine& m, const string& text, bool din, Sampling sampling) {
                 a.velocity.raise(std::fabs(now[i].v), piece.element, part);
                 a.acceleration.raise(std::fabs(now[i].a), piece.element, part);
                 if (joins) {
+                    double change = std::fabs(now[i].v - last[i].v), sum = 0;
                     joints.back().change[i] = now[i].v - last[i].v;
-                    double sum = 0;
                     for (const Joint& joint : joints) sum += joint.change[i];
-                    a.step.raise(std::max(std::fabs(sum), std::fabs(now[i].v - last[i].v)), piece.element, 0);
+                    // Only corners that are passed add up; where the path begins to move nothing does.
+                    bool adds = piece.v0 >= 1e-3 * e.feed && change > 1e-6;
+                    a.step.raise(adds ? std::max(std::fabs(sum), change) : change, piece.element, 0);
                     a.jump = std::max(a.jump, std::fabs(now[i].p - last[i].p));
                 }
                 before[i] = now[i].p;

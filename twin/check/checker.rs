@@ -31,7 +31,7 @@ use twin_planner::controller::ToolSetpoint;
 pub(super) struct Checker<'m> {
     machine: &'m Machine,
     pub(super) transformer: Transformer<'m>,
-    /// How fast rapids are that the machine file and not the program says, m/s.
+    /// Velocity of rapids where the machine file and not the program says it, m/s.
     rapids: Option<f64>,
     /// By which factors limits of velocity, acceleration and jerk may be exceeded.
     slack: [f64; 3],
@@ -333,7 +333,7 @@ fn cam_warnings(machine: &Machine) -> Findings {
     findings
 }
 
-/// Which axes turn the tool with the path.
+/// Axes that turn the tool with the path.
 fn turning_axes(machine: &Machine) -> Vec<bool> {
     let with_path = matches!(machine.direction, DirectionRule::Path(..));
     (0..machine.axes.len()).map(|index| with_path && machine.kinematics.is_rotary(index)).collect()

@@ -16,7 +16,7 @@ pub struct EdgeDistance {
     /// How far the tool, or the wrist of a SCARA with three arms, is from the edge, or the platform of a tripod below the plane
     /// in which the mechanism loses its stiffness, m; 0 at the edge.
     pub distance: f64,
-    /// Where.
+    /// The block.
     pub place: Place,
 }
 

@@ -72,7 +72,7 @@ fn slack(limits: Limits) -> [f64; 3] {
     }
 }
 
-/// How fast rapids are that the machine file and not the program says, m/s.
+/// Velocity of rapids where the machine file and not the program says it, m/s.
 fn rapids(machine: &Machine, program: &ProgramFile) -> Option<f64> {
     (program.dialect() == Dialect::Rs274).then_some(machine.conditions.rs274.rapid_velocity)
 }

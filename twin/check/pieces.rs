@@ -28,7 +28,7 @@ const JERK_EXACT: f64 = 1.0 + 2e-3;
 const LITTLE: f64 = 1e-3;
 /// Pieces that follow each other within this time, s, do so without a rest.
 const SAME_TIME: f64 = 1e-9;
-/// Points nearer to each other than this are one, and axes stand still, m or rad.
+/// Points nearer to each other than this are one, axes rest, and velocities do not change, m or rad (a second).
 const SAME_PLACE: f64 = 1e-9;
 /// Feeds are distinguished to this part of them.
 const SAME: f64 = 1e-12;
@@ -90,8 +90,8 @@ pub(super) struct PieceCheck<'m> {
     edge: EdgeSearch<'m>,
 }
 
-/// The floor below which nothing is of interest.
-const NOTHING: Floor = Floor {
+/// The floor below which no extreme counts.
+const UNLIMITED: Floor = Floor {
     position: [f64::NEG_INFINITY, f64::INFINITY],
     velocity: f64::INFINITY,
     acceleration: f64::INFINITY,
@@ -343,7 +343,7 @@ impl<'m> PieceCheck<'m> {
         }
     }
 
-    /// What is of no interest: peaks that are known, and what is within limits.
+    /// Floors: known peaks and limits.
     fn floors(&self, peaks: &[AxisPeak]) -> Vec<Floor> {
         let axes = self.machine.axes.iter().zip(peaks);
         let floor = |known: f64, limit: f64| known.min(limit).max(LITTLE * limit);
@@ -415,7 +415,7 @@ impl<'m> PieceCheck<'m> {
         }
     }
 
-    /// What the axes jump at the start of a piece, where the path goes on; none if it does not.
+    /// Jumps of the axes at the start of a piece, where the path goes on; none if it does not.
     fn jumps(&self, examined: &Examined<'_>) -> Option<AxisVector> {
         let Examined { planned, extremes, .. } = examined;
         let start = planned.element.at(planned.piece.at(0.0).0.position).position;
@@ -426,7 +426,7 @@ impl<'m> PieceCheck<'m> {
         })
     }
 
-    /// What one axis jumps, at the velocity that takes it there in a cycle.
+    /// Checks the jump of one axis, at the velocity that takes it there in a cycle.
     fn jump(
         &self,
         examined: &Examined<'_>,
@@ -457,8 +457,7 @@ impl<'m> PieceCheck<'m> {
         self.steps.get(index).map_or(f64::INFINITY, |limit| harder * limit)
     }
 
-    /// What velocity and acceleration of one axis change at once from the piece before to the next; at rest where there
-    /// is none.
+    /// Checks steps of velocity and acceleration of one axis between two pieces; at rest where there is none.
     fn step(
         &self,
         (last, next): (Option<&Last>, Option<&Examined<'_>>),
@@ -483,16 +482,16 @@ impl<'m> PieceCheck<'m> {
             (None, None) => Place::default(),
         };
         let limit = self.step_limit(index);
-        let (place_of_step, value) = (place(start.is_some()), velocity.abs());
+        let value = velocity.abs();
         match (last, next) {
             (Some(_), Some(Examined { planned, .. })) if passes(planned) => {
                 // Corners that follow each other within a cycle are one for the axis.
                 let direction = tangent(&planned.element, &planned.piece, 0.0);
                 let (joined, angle) = self.joined(index, &direction);
-                let value = value.max(joined);
+                let value = if value > SAME_PLACE { value.max(joined) } else { value };
                 if exceeds(value, limit) {
                     let mut feed = Some(planned.piece.at(0.0).0.velocity * limit / value);
-                    let finding = messages::step(axis, place_of_step, value, limit);
+                    let finding = messages::step(axis, place(true), value, limit);
                     let mut finding = messages::at_corner(finding, angle);
                     if planned.element.rapid()
                         && let Some(velocity) = rapids
@@ -504,7 +503,8 @@ impl<'m> PieceCheck<'m> {
                 }
             }
             _ if exceeds(value, limit) => {
-                let finding = messages::step(axis, place_of_step, value, limit);
+                let rises = of(start, 0).abs() * (1.0 + SAME_PLACE) >= of(before, 0).abs();
+                let finding = messages::step(axis, place(rises), value, limit);
                 let here = match (last, next) {
                     (_, Some(Examined { planned, .. })) => {
                         Some((&planned.element, planned.piece.at(0.0).0.position))
@@ -566,7 +566,7 @@ impl<'m> PieceCheck<'m> {
     fn value(&self, open: &Open, wrong: &Wrong, feed: f64) -> Option<f64> {
         let Wrong { axis, quantity, limit, .. } = *wrong;
         let little = LITTLE * limit;
-        let mut floor = self.nothing(axis)?;
+        let mut floor = self.unlimited(axis)?;
         match quantity {
             Quantity::Velocity => floor.velocity = little,
             Quantity::Acceleration => floor.acceleration = little,
@@ -582,15 +582,15 @@ impl<'m> PieceCheck<'m> {
         })
     }
 
-    /// The floor of an axis of which nothing is of interest.
-    pub(super) fn nothing(&self, axis: usize) -> Option<Floor> {
+    /// The floor of an axis whose extremes do not count.
+    pub(super) fn unlimited(&self, axis: usize) -> Option<Floor> {
         let axis = self.machine.axes.get(axis)?;
         let deceleration = axis.own_deceleration().map(|_| f64::INFINITY);
         // What is 0 is known from the largest velocity.
-        Some(Floor { deceleration, velocity: axis.max_velocity, ..NOTHING })
+        Some(Floor { deceleration, velocity: axis.max_velocity, ..UNLIMITED })
     }
 
-    /// What one axis does above its floor, with a `feed` (m/s) on the element.
+    /// Extremes of one axis above its floor, with a `feed` (m/s) on the element; `position` is the first beyond the floor.
     pub(super) fn extremes(
         &self,
         path: &MachinePath<'_>,
@@ -601,7 +601,7 @@ impl<'m> PieceCheck<'m> {
         let element = &open.element;
         let rates = [element.acceleration(), element.deceleration()];
         let pieces = trapezoid(element.length(), open.ends, feed, rates);
-        let mut floors = [NOTHING; MAX_AXES];
+        let mut floors = [UNLIMITED; MAX_AXES];
         *floors.get_mut(axis)? = floor;
         let examiner = Examiner::new(path, seconds(self.machine.cycle_ns));
         let mut largest = AxisExtremes::default();
@@ -616,6 +616,7 @@ impl<'m> PieceCheck<'m> {
                 .map_or(0.0, |before| start.rates[0].get(axis).map_or(0.0, |v| (v - before).abs()));
             before = end.rates[0].get(axis).copied();
             let found = found.axes.get(axis)?;
+            largest.position = largest.position.or(found.position);
             for (most, one) in [
                 (&mut largest.velocity, found.velocity),
                 (&mut largest.acceleration, found.acceleration),

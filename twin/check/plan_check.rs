@@ -30,7 +30,7 @@ impl<'m> PlanCheck<'m> {
         Self { pieces, findings: Findings::default(), rapids, free }
     }
 
-    /// Which axes do not follow the path; they are not checked.
+    /// Axes that do not follow the path; they are not checked.
     pub(crate) fn free(&self) -> &[bool] {
         &self.free
     }

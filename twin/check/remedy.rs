@@ -1,5 +1,5 @@
-//! Remedies where no lower feed keeps an axis within its limits: another elbow, the part moved, another plan. Each is checked
-//! before it is advised.
+//! Remedies where no lower feed keeps an axis within its limits: another elbow, the part moved, another plan. The first two are
+//! checked on their path element before they are advised.
 
 use super::pieces::{EXACT, Open, PieceCheck, Wrong};
 use crate::limit::{MachinePath, Trial};
@@ -32,7 +32,7 @@ impl PieceCheck<'_> {
         }
         let programmed = self.plans_as_programmed();
         let found = self
-            .nothing(wrong.axis)
+            .unlimited(wrong.axis)
             .and_then(|floor| self.extremes(&self.path, open, (wrong.axis, floor), open.fastest));
         let steps = found.is_none_or(|found| found.step.value > self.step_limit(wrong.axis));
         if programmed && !steps {
@@ -44,8 +44,8 @@ impl PieceCheck<'_> {
         format!("no lower feed helps here: {}", ways.join(", or "))
     }
 
-    /// By how much the part must move away from the edge of the reach, m, machine frame, for an axis to keep its limits along the
-    /// element with its feed.
+    /// Move of the part away from the edge of the reach, m, machine frame, with which an axis keeps its limits along the element
+    /// at its feed.
     fn move_inwards(&self, open: &Open, axis: usize) -> Option<Vector3<f64>> {
         let margin = |position: Vector3<f64>, direction: f64| {
             let pose = Pose { position: position.into(), direction };
@@ -69,21 +69,30 @@ impl PieceCheck<'_> {
         Some(inwards * enough)
     }
 
-    /// True if an axis keeps its limits along the element, with its feed, under a trial.
+    /// True if an axis keeps its limits along the element, with its feed, under a trial, and no other axis loses them by it.
     fn cures(&self, open: &Open, axis: usize, trial: Trial) -> bool {
-        let Some((of, floor)) = self.machine.axes.get(axis).zip(self.nothing(axis)) else {
+        let path = MachinePath::without_motors(self.machine).under(trial);
+        let mut others = (0..self.machine.axes.len()).filter(|other| *other != axis);
+        self.keeps(&path, open, axis)
+            && others
+                .all(|other| self.keeps(&path, open, other) || !self.keeps(&self.path, open, other))
+    }
+
+    /// True if an axis keeps its limits along the element with its feed.
+    fn keeps(&self, path: &MachinePath<'_>, open: &Open, axis: usize) -> bool {
+        let Some((of, floor)) = self.machine.axes.get(axis).zip(self.unlimited(axis)) else {
             return false;
         };
         let floor = Floor {
-            velocity: of.max_velocity,
+            position: of.position_limits,
             acceleration: of.max_acceleration,
             deceleration: of.own_deceleration(),
             ..floor
         };
-        let path = MachinePath::without_motors(self.machine).under(trial);
-        let found = self.extremes(&path, open, (axis, floor), open.fastest);
+        let found = self.extremes(path, open, (axis, floor), open.fastest);
         found.is_some_and(|found| {
-            found.velocity.value <= EXACT * floor.velocity
+            found.position.is_none()
+                && found.velocity.value <= EXACT * floor.velocity
                 && found.acceleration.value <= EXACT * floor.acceleration
                 && floor.deceleration.is_none_or(|most| found.deceleration.value <= EXACT * most)
                 && found.step.value <= self.step_limit(axis)

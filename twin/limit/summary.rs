@@ -10,10 +10,10 @@ use twin_machine::Axis;
 use twin_number::seconds;
 use twin_path::Place;
 
-/// How many lines that lose time are named.
+/// Number of lines that lose time and are named.
 const NAMED_LINES: usize = 10;
 
-/// How the velocity along a path is planned.
+/// Plan of the velocity along a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Limits {
     /// Within the limits of every axis.

@@ -182,7 +182,7 @@ impl BlendedElement {
         }
     }
 
-    /// How the course goes on into complex parameters about `s`.
+    /// Disc about `s` (m) on which the path is analytic.
     pub fn disc(&self, s: f64) -> PathDisc {
         let length = self.length();
         match (&self.head, &self.tail) {
@@ -193,7 +193,7 @@ impl BlendedElement {
         }
     }
 
-    /// How [`Self::bearing`] goes on into complex parameters about `s`, where the course is at `point`.
+    /// Disc about `s` (m) on which [`Self::bearing`] is analytic, where the path is at `point`.
     pub fn bearing_disc(&self, s: f64, point: &BlendedPoint) -> BearingDisc {
         let is_blended = (self.head.is_some() && s <= self.head_end())
             || (self.tail.is_some() && s >= self.tail_start());

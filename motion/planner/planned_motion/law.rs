@@ -37,7 +37,7 @@ pub enum Law {
         /// Jerk, m/s³.
         jerk: f64,
     },
-    /// A part of a ramp v = v₀ + ½·Δv·(1 − cos ω·(t + t₀)), which is slower by `less` where the ramp was cut.
+    /// A part of a ramp v = v₀ + ½·Δv·(1 − cos ω·(t + t₀)), which is slower where the ramp was cut.
     Sine {
         /// v₀ less what is cut, m/s.
         velocity: f64,

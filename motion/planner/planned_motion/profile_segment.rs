@@ -20,21 +20,21 @@ pub struct Progress {
 pub enum SegmentLaw {
     /// u̇² = `b` + 2·`a`·u + `gamma`·u²: the acceleration is linear in u.
     Quadratic {
-        /// u̇² at the start.
+        /// u̇² at the start, m²/s².
         b: f64,
-        /// ü at the start.
+        /// ü at the start, m/s².
         a: f64,
-        /// dü/du.
+        /// dü/du, 1/s².
         gamma: f64,
     },
     /// From rest, with constant jerk.
     Launch {
-        /// u⃛.
+        /// u⃛, m/s³.
         jerk: f64,
     },
     /// To rest, with constant jerk: a launch backwards.
     Landing {
-        /// u⃛.
+        /// u⃛, m/s³.
         jerk: f64,
     },
 }
@@ -59,7 +59,7 @@ impl ProfileSegment {
         Self { length, law, duration }
     }
 
-    /// With the u̇² at both ends and the same acceleration all the way.
+    /// A cell of this `length` (m), with the u̇² (m²/s²) at both ends and the same acceleration all the way.
     pub fn uniform(length: f64, from: f64, to: f64) -> Self {
         Self::new(
             length,
@@ -67,19 +67,19 @@ impl ProfileSegment {
         )
     }
 
-    /// With u̇² and ü at both ends of a cell that b = `middle` bends in Bézier's way.
+    /// A cell of this `length` (m), with the u̇² (m²/s²) at both ends; b = `middle` bends it in Bézier's way.
     pub fn bent(length: f64, from: f64, middle: f64, to: f64) -> Self {
         let a = (middle - from) / length;
         let gamma = (from - 2.0 * middle + to) / (length * length);
         Self::new(length, SegmentLaw::Quadratic { b: from, a, gamma })
     }
 
-    /// From rest to u̇² = `b`, with constant jerk.
+    /// From rest to u̇² = `b` (m²/s²) over `length` (m), with constant jerk.
     pub fn launch(length: f64, b: f64) -> Self {
         Self::new(length, SegmentLaw::Launch { jerk: rest_jerk(length, b) })
     }
 
-    /// From u̇² = `b` to rest, with constant jerk.
+    /// From u̇² = `b` (m²/s²) to rest over `length` (m), with constant jerk.
     pub fn landing(length: f64, b: f64) -> Self {
         Self::new(length, SegmentLaw::Landing { jerk: rest_jerk(length, b) })
     }
