@@ -16,11 +16,14 @@ struct Shelf {
     forgets: bool,
     saved: u32,
     silent: bool,
+    /// Tells what parameters it has, not their values.
+    secretive: bool,
 }
 
 impl Shelf {
     fn new() -> Self {
-        Self { values: [1, 2, 77], refuses: false, forgets: false, saved: 0, silent: false }
+        let [refuses, forgets, silent, secretive] = [false; 4];
+        Self { values: [1, 2, 77], refuses, forgets, saved: 0, silent, secretive }
     }
 
     fn place(id: ParameterId) -> Result<usize, DriveError> {
@@ -112,6 +115,9 @@ impl Drive for Shelf {
     }
 
     fn parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
+        if self.secretive {
+            return Self::never();
+        }
         let place = Self::place(id)?;
         Ok(self.values[place])
     }
@@ -144,12 +150,12 @@ const GOOD: &str = "drive-parameters 1\nfamily Shelf\n0 0 500 # the fastest\n\n0
 fn both_formats_are_what_they_say() {
     let mut shelf = Shelf::new();
     let mut text = Vec::new();
-    write_parameters(&mut shelf, None, Format::Text, "f", &mut text).unwrap();
+    write_parameters(&mut shelf, Format::Text, "f", &mut text).unwrap();
     let expected = "drive-parameters 1\n# a shelf with two lines & <marks>\nfamily Shelf\n\
         # station number value\n0 0 1 # speed [rpm]\n0 1 2 # \"mode\"\n0 2 77 # version, read-only\n";
     assert_eq!(String::from_utf8(text).unwrap(), expected);
     let mut xml = Vec::new();
-    write_parameters(&mut shelf, None, Format::Xml, "f", &mut xml).unwrap();
+    write_parameters(&mut shelf, Format::Xml, "f", &mut xml).unwrap();
     let document = String::from_utf8(xml).unwrap();
     let expected = r#"<?xml version="1.0" encoding="UTF-8"?>
 <DriveParameters version="1" family="Shelf" device="a shelf&#10;with two lines &amp; &lt;marks&gt;">
@@ -241,14 +247,16 @@ fn what_the_device_cannot_have_is_told_by_line() {
 fn files_that_fail_are_named() {
     let (mut shelf, mut full) = (Shelf::new(), [0_u8; 9]);
     let error =
-        write_parameters(&mut shelf, None, Format::Xml, "a/b.xml", &mut full.as_mut_slice())
-            .unwrap_err();
+        write_parameters(&mut shelf, Format::Xml, "a/b.xml", &mut full.as_mut_slice()).unwrap_err();
     assert_eq!(error.number(), Some(3002));
     assert!(error.to_string().starts_with("a/b.xml: cannot be written"), "{error}");
     let mut silent = Shelf { silent: true, ..Shelf::new() };
     let mut file = Vec::new();
-    let error = write_parameters(&mut silent, None, Format::Xml, "f", &mut file).unwrap_err();
+    let error = write_parameters(&mut silent, Format::Xml, "f", &mut file).unwrap_err();
     assert_eq!((error.number(), file.len()), (Some(3004), 0));
+    let mut secretive = Shelf { secretive: true, ..Shelf::new() };
+    let error = write_parameters(&mut secretive, Format::Xml, "f", &mut file).unwrap_err();
+    assert_eq!((error.number(), file.len()), (Some(3003), 0));
     let error = read("a/b.xml", &mut std::fs::File::open(".").unwrap()).unwrap_err();
     assert!(error.to_string().starts_with("a/b.xml: cannot be read"), "{error}");
 }

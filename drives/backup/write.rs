@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::{BackupError, HEAD, PARAMETER, ROOT, VERSION};
-use crate::{Drive, DriveError, ParameterId, ParameterInfo};
+use crate::{Drive, ParameterId, ParameterInfo};
 
 /// `bXMLFormat`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,16 +14,15 @@ pub enum Format {
     Xml,
 }
 
-/// `SMC_WriteDriveParamsToFile`: writes parameters of a device at rest, read-only ones included; those of `list`, in its
-/// order, or all. `file` is its name in messages. How many they are.
+/// `SMC_WriteDriveParamsToFile`: writes all parameters of a device at rest, read-only ones included. `file` is its name in
+/// messages. How many they are.
 ///
 /// # Errors
-/// [`BackupError::List`] (3004) and [`BackupError::Drive`] (3003) if the device does not answer or has no parameter of the
-/// list, before anything is written; [`BackupError::Write`] (3002).
+/// [`BackupError::List`] (3004) and [`BackupError::Drive`] (3003) if the device does not answer, before anything is
+/// written; [`BackupError::Write`] (3002).
 #[doc(alias = "SMC_WriteDriveParamsToFile")]
 pub fn write_parameters(
     drive: &mut dyn Drive,
-    list: Option<&[ParameterId]>,
     format: Format,
     file: &str,
     output: &mut dyn Write,
@@ -31,13 +30,9 @@ pub fn write_parameters(
     let family = drive.identity()?.family;
     let device = drive.describe();
     let known = drive.parameters().map_err(BackupError::List)?;
-    let chosen = match list {
-        None => known,
-        Some(list) => chosen(drive, &known, list)?,
-    };
-    let ids: Vec<_> = chosen.iter().map(|info| info.id).collect();
+    let ids: Vec<_> = known.iter().map(|info| info.id).collect();
     let values = drive.parameter_values(&ids)?;
-    let values: Vec<_> = chosen.into_iter().zip(values).collect();
+    let values: Vec<_> = known.into_iter().zip(values).collect();
     let written = match format {
         Format::Text => text(family, &device, &values, output),
         Format::Xml => xml(family, &device, &values, output),
@@ -45,31 +40,6 @@ pub fn write_parameters(
     let written = written.and_then(|()| output.flush());
     written.map_err(|source| BackupError::Write { file: file.to_owned(), source })?;
     Ok(values.len())
-}
-
-/// The parameters of a list, as the device describes them.
-fn chosen(
-    drive: &mut dyn Drive,
-    known: &[ParameterInfo],
-    list: &[ParameterId],
-) -> Result<Vec<ParameterInfo>, DriveError> {
-    let mut chosen = Vec::with_capacity(list.len());
-    for id in list {
-        match known.iter().find(|info| info.id == *id) {
-            Some(info) => chosen.push(info.clone()),
-            // The device says best that there is none.
-            None => {
-                return Err(drive.parameter(*id).map_or_else(|error| error, |_| none(drive, *id)));
-            }
-        }
-    }
-    Ok(chosen)
-}
-
-fn none(drive: &dyn Drive, id: ParameterId) -> DriveError {
-    let port = drive.describe().into();
-    let at = crate::Exchange { port, address: 0, action: crate::Action::Nothing };
-    DriveError::NoParameter { at, id }
 }
 
 /// One line, whatever a name says.

@@ -31,7 +31,7 @@ fn survive(mut bench: Bench) {
     let mut files = Vec::new();
     for format in [Format::Text, Format::Xml] {
         let mut file = Vec::new();
-        assert_eq!(write_parameters(drive, None, format, "f", &mut file).unwrap(), all.len());
+        assert_eq!(write_parameters(drive, format, "f", &mut file).unwrap(), all.len());
         files.push(file);
     }
     let backups: Vec<_> =
@@ -62,16 +62,6 @@ fn survive(mut bench: Bench) {
         plan_of_all.carry_out(drive, save).unwrap();
         assert_eq!(values(drive, &all), before);
     }
-    // A list of one's own, in its order.
-    let list = [all[3].id, all[1].id];
-    let mut file = Vec::new();
-    assert_eq!(write_parameters(drive, Some(&list), Format::Text, "f", &mut file).unwrap(), 2);
-    let few = read("f", &mut file.as_slice()).unwrap();
-    assert_eq!(few.entries.iter().map(|entry| entry.id).collect::<Vec<_>>(), list);
-    let unknown = [ParameterId { address: 9, number: 9999 }];
-    let mut file = Vec::new();
-    let error = write_parameters(drive, Some(&unknown), Format::Text, "f", &mut file).unwrap_err();
-    assert_eq!((error.number(), file.len()), (Some(3003), 0));
 }
 
 #[test]
@@ -84,7 +74,7 @@ fn the_parameters_of_every_family_survive() {
 fn files_of_others_are_refused_and_addresses_stay() {
     let (mut board, mut bus) = (interpcnc(), smartdrive());
     let mut file = Vec::new();
-    write_parameters(&mut *bus.drive, None, Format::Text, "f", &mut file).unwrap();
+    write_parameters(&mut *bus.drive, Format::Text, "f", &mut file).unwrap();
     let backup = read("drives.txt", &mut file.as_slice()).unwrap();
     let error = plan(&mut *board.drive, &backup).unwrap_err().to_string();
     let expected = "drives.txt:3: these are parameters of SmartDRIVE, the device is InterpCNC";

@@ -62,7 +62,7 @@ fn backup(drive: &mut dyn Drive, path: &Path) -> Result<(), Failure> {
     let format = if xml { Format::Xml } else { Format::Text };
     let mut file = AtomicFile::create(path)?;
     let name = path.display().to_string();
-    let count = write_parameters(drive, None, format, &name, &mut file)?;
+    let count = write_parameters(drive, format, &name, &mut file)?;
     file.finish()?;
     say!("{count} parameters of {} are in {name}", drive.describe());
     Ok(())
