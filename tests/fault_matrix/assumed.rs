@@ -28,11 +28,8 @@ const PHASES_ON_ORDER: &str = "phases_on_order";
 /// held.
 const ENCODER: &str = "encoder";
 
-/// Numbers that differ from the usual ones so far that they count in a cell: frames in several parts, a buffer that is
-/// full, pauses that a fault may hit. Parameters for segments are those that homing has.
-const INTERPCNC: [(&str, &str); 26] = [
-    ("arguments_stay", "false"),
-    ("lock_coil", "false"),
+/// Numbers that differ from the usual ones so far that they count in a cell: frames in several parts, pauses that a fault may hit. Parameters for segments are those that homing has.
+const INTERPCNC: [(&str, &str); 16] = [
     ("silence", "5000"),
     ("most_read", "12"),
     ("most_written", "14"),
@@ -40,27 +37,19 @@ const INTERPCNC: [(&str, &str); 26] = [
     ("locked_exception", "4"),
     ("locked_exception", "7"),
     ("busy_axis_refuses", "false"),
-    ("enable_loss", "on-ramp"),
     ("enable_loss_keeps_segments", "true"),
-    ("limit_stop", "on-ramp"),
     ("reversal_gap_ns", "50000000"),
-    ("home_one_by_one", "true"),
     ("baud_code", "hundreds"),
     ("baud_code", "index"),
     ("line_at_restart", "false"),
-    ("output_code", "number"),
     ("eeprom_write_ns", "100000000"),
-    ("eeprom_refuses", "false"),
-    ("exceptions_address", "7"),
-    ("exceptions_value", "7"),
     ("exceptions_failure", "7"),
-    ("buffer_segments", "17"),
     ("segment_acceleration", "57"),
     ("segment_start_stop", "14"),
 ];
 /// Those of them that are about segments.
-const SEGMENTS: [&str; 4] =
-    ["buffer_segments", "segment_acceleration", "segment_start_stop", "enable_loss_keeps_segments"];
+const SEGMENTS: [&str; 3] =
+    ["segment_acceleration", "segment_start_stop", "enable_loss_keeps_segments"];
 const SMARTDRIVE: [(&str, &str); 30] = [
     ("bad_frame", "generic"),
     ("bad_frame", "working"),
