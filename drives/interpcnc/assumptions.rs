@@ -81,9 +81,6 @@ assumptions! {
         enable_loss_keeps_segments: bool = false, FLAG,
             (107, "Are segments that wait then forgotten?",
                 "carried out after unlocking", "empties the buffer before it unlocks");
-        reversal_gap_ns: i64 = 0, TIME_NS,
-            (0, "How long is no motion shown when a move reverses?",
-                "some time, before firmware 5.31", "looks several times");
         baud_code: BaudCode = BaudCode::Raw, BAUD,
             (111, "How does parameter 101 say the speed?",
                 "hundreds of b/s, an index", "reads and writes it so");

@@ -29,7 +29,7 @@ const PHASES_ON_ORDER: &str = "phases_on_order";
 const ENCODER: &str = "encoder";
 
 /// Numbers that differ from the usual ones so far that they count in a cell: frames in several parts, pauses that a fault may hit. Parameters for segments are those that homing has.
-const INTERPCNC: [(&str, &str); 16] = [
+const INTERPCNC: [(&str, &str); 15] = [
     ("silence", "5000"),
     ("most_read", "12"),
     ("most_written", "14"),
@@ -38,7 +38,6 @@ const INTERPCNC: [(&str, &str); 16] = [
     ("locked_exception", "7"),
     ("busy_axis_refuses", "false"),
     ("enable_loss_keeps_segments", "true"),
-    ("reversal_gap_ns", "50000000"),
     ("baud_code", "hundreds"),
     ("baud_code", "index"),
     ("line_at_restart", "false"),

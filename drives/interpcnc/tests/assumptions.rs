@@ -26,7 +26,6 @@ fn alternatives() -> Vec<Assumptions> {
         Assumptions { locked_exception: Some(6), ..usual },
         Assumptions { busy_axis_refuses: false, ..usual },
         Assumptions { enable_loss_keeps_segments: true, ..usual },
-        Assumptions { reversal_gap_ns: 5_000_000, ..usual },
         Assumptions { baud_code: BaudCode::Index, ..usual },
         Assumptions { line_at_restart: false, ..usual },
         Assumptions { eeprom_write_ns: 50_000_000, ..usual },

@@ -97,19 +97,6 @@ fn a_move_is_over_when_the_axis_stands_on_its_target() {
 }
 
 #[test]
-fn the_instant_of_reversal_is_not_taken_for_the_end() {
-    // The board shows no motion for 20 ms when the move reverses, which is more than an exchange.
-    let assumptions = Assumptions { reversal_gap_ns: 20_000_000, ..Assumptions::default() };
-    Rig::new(assuming(assumptions)).run(|mut driver, _hand| async move {
-        driver.unlock(&no_clock).await.unwrap();
-        driver.send(&go(BoardAxis::X, 1_000_000), &no_clock).await.unwrap();
-        sleep(Duration::from_secs(1)).await;
-        driver.move_axis(BoardAxis::X, &profile(-500), LONG, &no_clock).await.unwrap();
-        assert_eq!(driver.state(&no_clock).await.unwrap().0.positions[0], -500);
-    });
-}
-
-#[test]
 fn an_axis_that_something_else_stops_has_not_arrived() {
     let bench = Bench { cams: vec![switch(8, BoardAxis::X, 3000, 9000)], encoder: None };
     usual().run(|mut driver, hand| async move {

@@ -227,16 +227,4 @@ fn assumptions_can_be_others() {
     assert_eq!(refusal(&mut board, "01 03 10 36 00 0B"), Some(3));
     assert_eq!(refusal(&mut board, "01 03 10 36 00 0A"), None);
     assert_eq!(write(&mut board, &[42, 0, 0, 0, 0, 0, 0, 0, 0]), Some(3));
-    // Firmware before 5.31: no axis moves at the instant of reversal.
-    let mut board = assumed(Assumptions { reversal_gap_ns: MS, ..usual });
-    board.handle(&vector(11)).unwrap();
-    board.advance(1000 * MS);
-    board.handle(&vector(12)).unwrap();
-    // 20000 to 200 Hz with 40 kHz/s.
-    board.advance(494 * MS);
-    assert!(!board.status().independent().is_empty());
-    board.advance(MS + MS / 2);
-    assert!(board.status().independent().is_empty());
-    board.advance(MS);
-    assert!(!board.status().independent().is_empty());
 }
