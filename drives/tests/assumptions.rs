@@ -15,8 +15,7 @@ use twin_smartdrive as smartdrive;
 /// Lines of the digest of InterpCNC with assumptions that have an option, once for each.
 const INTERPCNC: [u16; 9] = [7, 11, 11, 11, 97, 97, 107, 107, 111];
 /// The same of SmartDRIVE.
-const SMARTDRIVE: [u16; 19] =
-    [9, 10, 13, 75, 75, 77, 79, 79, 83, 83, 83, 83, 85, 93, 126, 139, 143, 147, 148];
+const SMARTDRIVE: [u16; 10] = [9, 10, 13, 77, 79, 79, 85, 139, 147, 148];
 /// The same of BIM2AX.
 const BIM2AX: [u16; 12] = [15, 40, 41, 42, 44, 93, 93, 94, 95, 95, 100, 166];
 

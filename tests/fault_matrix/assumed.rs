@@ -28,7 +28,8 @@ const PHASES_ON_ORDER: &str = "phases_on_order";
 /// held.
 const ENCODER: &str = "encoder";
 
-/// Numbers that differ from the usual ones so far that they count in a cell: frames in several parts, pauses that a fault may hit. Parameters for segments are those that homing has.
+/// Numbers that differ from the usual ones so far that they count in a cell: frames in several parts, pauses that a fault
+/// may hit. Parameters for segments are those that homing has.
 const INTERPCNC: [(&str, &str); 15] = [
     ("silence", "5000"),
     ("most_read", "12"),
@@ -49,33 +50,14 @@ const INTERPCNC: [(&str, &str); 15] = [
 /// Those of them that are about segments.
 const SEGMENTS: [&str; 3] =
     ["segment_acceleration", "segment_start_stop", "enable_loss_keeps_segments"];
-const SMARTDRIVE: [(&str, &str); 30] = [
+const SMARTDRIVE: [(&str, &str); 11] = [
     ("bad_frame", "generic"),
     ("bad_frame", "working"),
     ("bad_frame", "bad-mode"),
     ("bad_frame", "bad-params"),
     ("bad_frame", "not-available"),
-    ("wrong_length", "generic"),
-    ("wrong_length", "working"),
-    ("wrong_length", "bad-mode"),
-    ("wrong_length", "not-available"),
-    ("unknown_code", "generic"),
-    ("unknown_code", "working"),
-    ("unknown_code", "bad-mode"),
-    ("unknown_code", "bad-params"),
     ("answer_length", "as-command"),
-    ("both_bits", "set"),
-    ("both_bits", "clear"),
-    ("silent_while_changing", "true"),
-    ("refuses_beyond_ceilings", "true"),
-    ("step_from", "target"),
-    ("clamps_targets", "true"),
-    ("limit_stop", "deceleration"),
-    ("limit_stop", "at-once"),
     ("home_position", "goes-offset"),
-    ("applies_words_at_once", "true"),
-    ("extends_signs", "false"),
-    ("acc_current", "85"),
     ("zero_rate", "unlimited"),
     ("set_effect", "with-mode"),
     ("set_effect", "restarts-mode"),
