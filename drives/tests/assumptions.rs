@@ -17,7 +17,7 @@ const INTERPCNC: [u16; 9] = [7, 11, 11, 11, 97, 97, 107, 107, 111];
 /// The same of SmartDRIVE.
 const SMARTDRIVE: [u16; 10] = [9, 10, 13, 77, 79, 79, 85, 139, 147, 148];
 /// The same of BIM2AX.
-const BIM2AX: [u16; 12] = [15, 40, 41, 42, 44, 93, 93, 94, 95, 95, 100, 166];
+const BIM2AX: [u16; 7] = [15, 42, 44, 93, 95, 95, 166];
 
 /// What `Debug` shows, without spaces and commas, which it sets otherwise over several lines.
 fn plain(text: &str) -> String {

@@ -63,17 +63,11 @@ const SMARTDRIVE: [(&str, &str); 11] = [
     ("set_effect", "restarts-mode"),
     (LAYOUT, "table"),
 ];
-const BIM2AX: [(&str, &str); 13] = [
-    ("refreshes_all", "false"),
-    ("keeps_entries", "false"),
+const BIM2AX: [(&str, &str); 7] = [
     ("entry_order", "by-number"),
-    ("needs_status", "false"),
     ("zero_ends_every_move", "true"),
-    ("refuses_repeats", "true"),
-    ("refusal_stops", "true"),
     ("cam_start", "far-edge"),
     ("homing_keeps_position", "true"),
-    ("abandon_loses_homing", "true"),
     ("holding_current_at_once", "true"),
     (BYTE_ORDER, "little"),
     (PHASES_ON_ORDER, "false"),
