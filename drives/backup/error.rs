@@ -66,10 +66,7 @@ pub struct LineError {
 /// Fault of a line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LineFault {
-    /// It is not XML.
-    #[error("{0}")]
-    Xml(String),
-    /// Neither of the two formats begins like this.
+    /// No such file begins like this.
     #[error("this is not a file of drive parameters")]
     Unknown,
     /// A later version, or none.

@@ -1,18 +1,12 @@
 //! Parameters of a device on file: `SMC_WriteDriveParamsToFile` (2.5), and the way back.
 //!
-//! A file has the parameters of one device, as text or as XML. The manual does not give the formats; these are our own:
+//! A file has the parameters of one device, as text. The manual gives no format; this is our own:
 //!
 //! ```text
 //! drive-parameters 1
 //! family SmartDRIVE
 //! # station number value
 //! 3 30 500 # Trj_VelMax [rpm]
-//! ```
-//!
-//! ```xml
-//! <DriveParameters version="1" family="SmartDRIVE">
-//!   <Parameter station="3" number="30" value="500" name="Trj_VelMax" unit="rpm"/>
-//! </DriveParameters>
 //! ```
 //!
 //! Names and units are for people: numbers count. Before anything is written to a device, [`plan`] holds the whole file
@@ -28,12 +22,9 @@ mod write;
 pub use error::{BackupError, LineError, LineFault, RestoreError};
 pub use plan::{Change, Plan, plan};
 pub use read::{Backup, Entry, read};
-pub use write::{Format, write_parameters};
+pub use write::write_parameters;
 
-/// Version of both formats.
+/// Version of the format.
 const VERSION: u32 = 1;
-/// First word of a text file.
+/// First word of a file.
 const HEAD: &str = "drive-parameters";
-/// Names of the XML elements.
-const ROOT: &str = "DriveParameters";
-const PARAMETER: &str = "Parameter";

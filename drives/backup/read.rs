@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use super::{BackupError, HEAD, LineError, LineFault, PARAMETER, ROOT, VERSION};
+use super::{BackupError, HEAD, LineError, LineFault, VERSION};
 use crate::ParameterId;
 
 /// Bytes of a file at most: many times what any device has.
@@ -30,7 +30,7 @@ pub struct Backup {
     pub entries: Vec<Entry>,
 }
 
-/// Reads a file in either format; `file` is its name in messages.
+/// Reads a file; `file` is its name in messages.
 ///
 /// # Errors
 /// [`BackupError::Read`]; [`BackupError::Lines`] with every line that is wrong.
@@ -41,8 +41,7 @@ pub fn read(file: &str, input: &mut dyn Read) -> Result<Backup, BackupError> {
     input.take(LONGEST).read_to_string(&mut text).map_err(wrong)?;
     let text = text.trim_start_matches('\u{FEFF}');
     let mut reader = Reader { file, errors: Vec::new() };
-    let (family, entries) =
-        if text.trim_start().starts_with('<') { reader.xml(text) } else { reader.text(text) };
+    let (family, entries) = reader.text(text);
     match family {
         Some(family) if reader.errors.is_empty() => {
             Ok(Backup { file: file.to_owned(), family, entries })
@@ -142,39 +141,6 @@ impl Reader<'_> {
         }
         if !begun {
             self.error(1, LineFault::Unknown);
-        }
-        (family, entries)
-    }
-
-    fn xml(&mut self, text: &str) -> Found {
-        let document = match roxmltree::Document::parse(text) {
-            Ok(document) => document,
-            Err(error) => {
-                self.error(error.pos().row, LineFault::Xml(error.to_string()));
-                return (None, Vec::new());
-            }
-        };
-        let line = |node: roxmltree::Node| document.text_pos_at(node.range().start).row;
-        let root = document.root_element();
-        if root.tag_name().name() != ROOT {
-            self.error(line(root), LineFault::Unknown);
-            return (None, Vec::new());
-        }
-        self.version(line(root), root.attribute("version"));
-        let family = root.attribute("family").map(|family| (family.to_owned(), line(root)));
-        if family.is_none() {
-            self.error(line(root), LineFault::Missing { what: "family" });
-        }
-        let mut entries = Vec::new();
-        for node in root.children().filter(roxmltree::Node::is_element) {
-            if node.tag_name().name() == PARAMETER {
-                let [address, number, value] =
-                    ["station", "number", "value"].map(|name| node.attribute(name));
-                entries.push(self.entry(line(node), address, number, value));
-            } else {
-                let word = node.tag_name().name().to_owned();
-                self.error(line(node), LineFault::Unexpected { word });
-            }
         }
         (family, entries)
     }

@@ -401,7 +401,7 @@ fn ctrl_c_and_stop_bring_a_bim2ax_to_rest() {
     assert!(running.module().velocity(ModuleAxis::One).abs() < f64::EPSILON);
 }
 
-/// Out to a file and back, as text and as XML; what differs is shown and nothing is written without a yes.
+/// Out to a file and back; what differs is shown and nothing is written without a yes.
 #[test]
 fn parameters_go_to_a_file_and_back() {
     let (board, of_board) = a_board(1);
@@ -412,20 +412,18 @@ fn parameters_go_to_a_file_and_back() {
         (&of_bus, "Trj_VelMax", "300", "get Trj_VelMax", "(Trj_VelMax): 300 -> 500 rpm"),
         (&of_module, "soft-limit-minus-2", "-100", "get soft-limit-minus-2", ": -100 -> -4194303"),
     ] {
-        for file in ["kept.txt", "kept.XML"] {
-            hand.does(&format!("backup {file}")).says("parameters of");
-            let text = hand.desk.text(file);
-            assert_eq!(text.starts_with('<'), file.ends_with("XML"), "{text}");
-            let before = hand.does(back).stdout;
-            assert!(hand.does(&format!("restore {file} --yes")).stdout.contains("0 to change"));
-            hand.does(&format!("set {name} {set}"));
-            hand.tries(&format!("restore {file}"))
-                .ended(2, "write 1 parameters of")
-                .ended(2, "nothing has been written, as there is no terminal to ask at")
-                .says(shown);
-            hand.does(&format!("restore {file} --yes")).says("written, and read back");
-            assert_eq!(hand.does(back).stdout, before);
-        }
+        hand.does("backup kept.txt").says("parameters of");
+        hand.tries("backup kept.XML")
+            .ended(2, "kept.XML: a backup is text, not XML; name it kept.txt");
+        let before = hand.does(back).stdout;
+        assert!(hand.does("restore kept.txt --yes").stdout.contains("0 to change"));
+        hand.does(&format!("set {name} {set}"));
+        hand.tries("restore kept.txt")
+            .ended(2, "write 1 parameters of")
+            .ended(2, "nothing has been written, as there is no terminal to ask at")
+            .says(shown);
+        hand.does("restore kept.txt --yes").says("written, and read back");
+        assert_eq!(hand.does(back).stdout, before);
         std::fs::write(hand.desk.path("wrong.txt"), "nonsense\n").expect("written");
         hand.tries("restore wrong.txt --yes").ended(2, "wrong.txt:1");
         hand.tries("restore none.txt --yes").ended(2, "none.txt: cannot be read");

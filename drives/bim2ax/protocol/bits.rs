@@ -171,14 +171,6 @@ pub mod definition {
     pub const GRAY: u16 = 0x0010;
     /// SSI: with parity.
     pub const PARITY: u16 = 0x0020;
-    /// Modules of motor racks only: SSI, else incremental.
-    pub const RACK_SSI: u16 = 0x0040;
-    /// Absolute: clock of 1600 kHz.
-    pub const CLOCK_1600_KHZ: u16 = 0x0100;
-    /// Absolute: clock of 800 kHz.
-    pub const CLOCK_800_KHZ: u16 = 0x0200;
-    /// Absolute: clock of 400 kHz; with none of the three, 100 kHz.
-    pub const CLOCK_400_KHZ: u16 = 0x0400;
     /// Stored positions that an incremental encoder reloads at the start: three bits with a table of their own.
     pub const RELOAD: u16 = 0x3800;
 }

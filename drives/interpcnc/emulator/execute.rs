@@ -11,7 +11,7 @@ use super::{
     segments::Segment,
 };
 use crate::{
-    BoardStop, Command, MoveProfile,
+    Command, MoveProfile,
     protocol::{
         frame, parameters,
         registers::{AxisMask, COMMAND},
@@ -126,14 +126,13 @@ impl Board {
             if !self.assumptions.line_at_restart {
                 self.take_line_parameters();
             }
-            if self.eeprom.broken() && self.assumptions.eeprom_refuses {
+            // Assumed: a write to a broken EEPROM is refused, and B15 tells as well.
+            if self.eeprom.broken() {
                 return Err(Refusal::Failure);
             }
         }
         if start == COMMAND {
-            if !self.assumptions.arguments_stay {
-                self.memory.forget_arguments(values.len());
-            }
+            // Assumed: arguments that are absent keep their last value.
             self.command()?;
         }
         Ok(())
@@ -185,7 +184,7 @@ impl Board {
                 self.abandon_homing(AxisMask::ALL);
                 self.for_axes(AxisMask::ALL, |axis| axis.ramp_stop(now));
             }
-            Command::Stop => self.lock(BoardStop::AtOnce),
+            Command::Stop => self.lock(),
             // Motion commands have been dealt with.
             _ => {}
         }

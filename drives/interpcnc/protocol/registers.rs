@@ -25,34 +25,16 @@ pub const OUTPUTS: u8 = 32;
 /// Number of inputs.
 pub const INPUTS: u8 = 32;
 
-/// Coil of the board lock.
-pub const LOCK_COIL: u16 = 288;
-/// First discrete input: IN1.
-pub const FIRST_INPUT: u16 = 2048;
-/// Discrete input of status bit B0; B31 is the last of them.
-pub const FIRST_STATUS_BIT: u16 = 2080;
-/// Discrete input of the direction of X; those of Y, Z, A, B follow.
-pub const FIRST_DIRECTION: u16 = 2112;
-/// Discrete input of encoder input A; B and C follow.
-pub const FIRST_ENCODER_INPUT: u16 = 2117;
 /// Registers from status to extended status, reserved ones included.
 pub const SNAPSHOT_REGISTERS: u16 = 32;
-/// Input registers of the last probe's result, high word.
-pub const PROBE_RESULT: u16 = 1044;
 /// Input registers of the extended status, high word.
 pub const EXTENDED_STATUS: u16 = 1054;
 /// Holding register of analog output 1; that of output 2 follows.
 pub const ANALOG_OUTPUT: u16 = 4146;
 /// Largest value of an analog output.
 pub const MAX_ANALOG: u16 = 1023;
-/// Holding registers of the outputs, OUT17 to OUT32 first.
-pub const OUTPUT_WORDS: u16 = 4148;
 /// Holding registers of the encoder position; those of pulse counters A and B follow.
 pub const ENCODER: u16 = 4218;
-/// First register of the user memory in EEPROM.
-pub const FIRST_USER_MEMORY: u16 = 5120;
-/// Registers of the user memory in EEPROM (1 KiB).
-pub const USER_MEMORY: u16 = 512;
 /// Holding register of the recipes' size.
 pub const RECIPE_SIZE: u16 = 5632;
 
@@ -86,14 +68,6 @@ impl Status {
     pub const EEPROM_ERROR: u32 = 1 << 15;
     /// B17: a speed override is in effect.
     pub const OVERRIDDEN: u32 = 1 << 17;
-    /// B18: a speed override is allowed.
-    pub const OVERRIDE_ALLOWED: u32 = 1 << 18;
-    /// B19: waiting for an input.
-    pub const WAITING_FOR_INPUT: u32 = 1 << 19;
-    /// B20: an input that was waited for did not come in time.
-    pub const WAIT_TIMEOUT: u32 = 1 << 20;
-    /// B21: torch height control is active.
-    pub const HEIGHT_CONTROL: u32 = 1 << 21;
     /// B22: first of five bits, axis in an independent move ("Async Moving").
     pub const ASYNC_MOVING_SHIFT: u32 = 22;
     /// B27: first of five bits, either limit switch of the axis is active.
@@ -160,14 +134,6 @@ impl Status {
 pub struct ExtendedStatus(pub u32);
 
 impl ExtendedStatus {
-    /// B5: Basic has lost characters that it sent.
-    pub const BASIC_TX_OVERRUN: u32 = 1 << 5;
-    /// B6: Basic has lost characters that it received.
-    pub const BASIC_RX_OVERRUN: u32 = 1 << 6;
-    /// B7: a Basic program runs.
-    pub const BASIC_RUNNING: u32 = 1 << 7;
-    /// B9: recipe data has changed.
-    pub const RECIPES_CHANGED: u32 = 1 << 9;
     /// B18, then every second bit: homing (command 78) of X, Y, Z, A, B is under way; the bit after it: has failed.
     pub const HOMING_SHIFT: u32 = 18;
 

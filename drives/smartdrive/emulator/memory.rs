@@ -94,20 +94,15 @@ impl Memory {
     }
 
     /// Changes a word; the copies, and whether the value is a whole one now: that of two words is when the high one is
-    /// set, or with each of them. The device goes by it from [`Self::take_effect`] on.
-    pub(super) fn set(
-        &mut self,
-        index: u16,
-        new: u16,
-        at_once: bool,
-    ) -> Result<(Copies, bool), RejectCode> {
+    /// set, as assumed. The device goes by it from [`Self::take_effect`] on.
+    pub(super) fn set(&mut self, index: u16, new: u16) -> Result<(Copies, bool), RejectCode> {
         let (entry, is_high) = parameter_at(index).ok_or(RejectCode::NotAvailable)?;
         if !entry.writable {
             return Err(RejectCode::BadParams);
         }
         let before = word(&self.working, index);
         store(&mut self.working, index, new);
-        let is_whole = is_high || !entry.kind.is_long() || at_once;
+        let is_whole = is_high || !entry.kind.is_long();
         if is_whole && !entry.accepts(value(&self.working, entry)) {
             store(&mut self.working, index, before);
             return Err(RejectCode::BadParams);

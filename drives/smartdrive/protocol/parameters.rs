@@ -322,11 +322,6 @@ pub fn to_q15(fraction: f64) -> Option<u16> {
     (0.0..32_768.0).contains(&value).then_some(value as u16)
 }
 
-/// Q1.15 as a fraction.
-pub fn from_q15(value: u16) -> f64 {
-    f64::from(value.cast_signed()) / 32_768.0
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -375,7 +370,6 @@ mod tests {
     #[test]
     fn fractions_are_q15() {
         assert_eq!(to_q15(0.3), Some(9830));
-        assert!((from_q15(9830) - 0.3).abs() < 0.5 / 32_768.0);
         assert_eq!((to_q15(1.0), to_q15(-0.1), to_q15(0.0)), (None, None, Some(0)));
     }
 

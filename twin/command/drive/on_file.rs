@@ -5,13 +5,13 @@ use crate::command::Failure;
 use crate::command::atomic_file::{AtomicFile, refuse_existing};
 use std::path::{Path, PathBuf};
 use twin_drives::Drive;
-use twin_drives::backup::{BackupError, Format, plan, read, write_parameters};
+use twin_drives::backup::{BackupError, plan, read, write_parameters};
 use twin_machine::text::Text;
 
 /// What is done with a file of parameters.
 #[derive(Clone, Debug, clap::Subcommand)]
 pub(super) enum OnFile {
-    /// Write all parameters to a file: as XML if it ends with .xml, else as text; changes nothing
+    /// Write all parameters to a text file; changes nothing
     Backup {
         /// The file
         file: PathBuf,
@@ -22,7 +22,7 @@ pub(super) enum OnFile {
     },
     /// Give the drive the parameters of a file, after showing what differs (asks first); its axes must be at rest
     Restore {
-        /// The file, text or XML
+        /// The file
         file: PathBuf,
 
         #[command(flatten)]
@@ -50,6 +50,7 @@ impl OnFile {
                 // Before the device is asked hundreds of questions.
                 // A backup is what is left of a device that has failed.
                 refuse_existing(file, *force)?;
+                refuse_xml(file)?;
                 backup(drive, file)
             }
             Self::Restore { file, save, .. } => restore(drive, (file, *save), consent),
@@ -57,12 +58,20 @@ impl OnFile {
     }
 }
 
+/// Text under a name of XML would mislead whoever reads it.
+fn refuse_xml(path: &Path) -> Result<(), Failure> {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml")) {
+        let text = path.with_extension("txt");
+        let (path, text) = (path.display(), text.display());
+        return Err(Failure::Usage(format!("{path}: a backup is text, not XML; name it {text}")));
+    }
+    Ok(())
+}
+
 fn backup(drive: &mut dyn Drive, path: &Path) -> Result<(), Failure> {
-    let xml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml"));
-    let format = if xml { Format::Xml } else { Format::Text };
     let mut file = AtomicFile::create(path)?;
     let name = path.display().to_string();
-    let count = write_parameters(drive, None, format, &name, &mut file)?;
+    let count = write_parameters(drive, &name, &mut file)?;
     file.finish()?;
     say!("{count} parameters of {} are in {name}", drive.describe());
     Ok(())

@@ -11,7 +11,7 @@ mod segments;
 
 use super::*;
 use crate::{
-    BoardStop, Command, MoveProfile,
+    Command, MoveProfile,
     protocol::{
         frame::seal,
         parameters,
