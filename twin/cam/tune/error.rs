@@ -1,6 +1,5 @@
 //! Errors of cam tuning.
 
-use super::dead_time::SwitchingPart;
 use twin_cam::CamError;
 use twin_cam::tune::{ConstraintError, FitError, RampError};
 use twin_number::significant;
@@ -14,13 +13,6 @@ pub(crate) enum TuneError {
         all(.outliers, |(line, by)| format!("line {line} (by {})", significant(*by, 4))))]
     Outliers { outliers: Vec<(u64, f64)> },
     #[error(
-        "offsets and scalings: residuals of {} {unit} rms remain and are not noise (correlation from sample to sample {}): \
-         the slave does something that the cam does not describe, so no interval would be valid; the nearest fit, {nearest}, is \
-         not proposed. Check that the run is of this cam and this coupling",
-        significant(*.rms, 4), significant(*.correlation, 3)
-    )]
-    NoNoise { correlation: f64, rms: f64, unit: String, nearest: String },
-    #[error(
         "offsets and scalings: the slave makes {} of the stroke that is wanted (SlaveScaling {}): is it recorded in other units than \
          the cam's? If that is its scaling, --find slave-scaling=FROM..TO says so",
         significant(*.strokes, 4), significant(*.scaling, 4)
@@ -31,12 +23,6 @@ pub(crate) enum TuneError {
         if *.found == 1 { " is" } else { "s are" }
     )]
     FewSwitchings { found: usize, needed: usize },
-    #[error(
-        "dead time of the tappets: the output of line {line} switches {} s behind its tappet, the others about {} s: \
-         something else switched it, or it is not this cam's",
-        significant(*.behind_s, 4), significant(*.usual_s, 4)
-    )]
-    Outlier { line: u64, behind_s: f64, usual_s: f64 },
     #[error(
         "dead time of the tappets: the {count} switchings of group {group} scatter by {} s, and the master passes such a tappet \
          every {} s: an output that switches at random looks the same. Check that this cam alone switches it, or record more \
@@ -62,8 +48,6 @@ pub(crate) enum TuneError {
         groups(.has)
     )]
     NoGroup { group: i16, has: Vec<i16> },
-    #[error("dead time of the tappets: {one}, {other}: a dead time cannot be both")]
-    TwoDeadTimes { one: SwitchingPart, other: SwitchingPart },
     #[error("the smallest peak: {0}")]
     Minimise(#[source] ConstraintError),
     #[error("ramp: {0}")]
