@@ -108,6 +108,8 @@ pub(super) const ALIKE: f64 = 25.0;
 const APART: f64 = 1e-3;
 /// The nearest answer is clear if it is no farther than this part of the distance between it and the next one.
 const CLEARLY: f64 = 0.25;
+/// Residuals of less than this part of a step are those of rounding, which is no noise: it is the same all over a dwell.
+const ROUNDED: f64 = 0.4;
 /// This part of the squares of the slave's positions is rounding.
 pub(super) const ROUNDING: f64 = 1e-18;
 
@@ -245,11 +247,15 @@ impl Problem<'_> {
             return Err(refused.clone());
         }
         let correlation = self.correlation(*values);
-        let half = self.half_widths(*left, &inverse, correlation);
+        let mut half = self.half_widths(*left, &inverse, correlation);
+        let rms = (left / self.sum(|s| s.weight)).sqrt();
+        if rms < ROUNDED * step {
+            let most = self.by_rounding(*values, &inverse, step);
+            half = std::array::from_fn(|index| half[index] + most[index]);
+        }
         let values = self.folded(*values, options);
         let estimates =
             std::array::from_fn(|index| Estimate { value: values[index], half_width: half[index] });
-        let rms = (left / self.sum(|s| s.weight)).sqrt();
         Ok(Fit { estimates, rms, correlation })
     }
 
@@ -263,6 +269,19 @@ impl Problem<'_> {
         let t = student_975(freedom);
         let half = |index| t * (variance * inverse[(index, index)]).sqrt();
         std::array::from_fn(|index| if self.free[index] { half(index) } else { 0.0 })
+    }
+
+    /// Largest errors of the values if every position is off by half a step: Σ |(JᵀWJ)⁻¹·Jᵀ·w|·step/2.
+    fn by_rounding(&self, values: Values, inverse: &Matrix4<f64>, step: f64) -> [f64; 4] {
+        let mut most = [0.0; 4];
+        for sample in self.samples {
+            let (_, row) = self.model(values, sample.master);
+            let part = inverse * row * sample.weight;
+            for (most, part) in most.iter_mut().zip(part.iter()) {
+                *most += 0.5 * step * part.abs();
+            }
+        }
+        std::array::from_fn(|index| if self.free[index] { most[index] } else { 0.0 })
     }
 
     /// The answer among the minima of the best places of the grid.

@@ -131,6 +131,16 @@ impl Case {
     }
 }
 
+/// Positions that are rounded to many times their noise have errors that are the same all over a dwell.
+#[test]
+fn rounded_positions_keep_the_promise() {
+    for (curve, free) in [(dwelling as fn() -> Curve, OFFSETS), (dwelling, SLAVE), (moving, ALL)] {
+        for noise in [0.0, 0.02, 0.1] {
+            Case { curve, free, noise, step: 0.5, ..STILL }.holds(Some(0.95));
+        }
+    }
+}
+
 /// NIST, Statistical Reference Datasets, Norris: a calibration by a straight line, x and y.
 const NORRIS: [[f64; 2]; 36] = [
     [0.2, 0.1],
