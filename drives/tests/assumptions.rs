@@ -1,4 +1,4 @@
-//! What the digests of the manuals mark as an assumption and drivers or devices can be told otherwise, and the option.
+//! Points that the manuals leave open, and the option of each emulator that decides them.
 //!
 //! The tables `QUESTIONS` say what is assumed of which line, what else can be chosen and what the driver makes of it.
 //! Here the lines are typed off the digests once more, and the options are walked over field by field: a line without an
