@@ -59,6 +59,7 @@ use twin_machine::Machine;
 use twin_machine::switch_points::SwitchPoints;
 use twin_machine::tappets::{Signal, Switched};
 use twin_physics::MotorLoad;
+use twin_planner::controller::VelocityMode;
 
 /// By which factors set-points may exceed velocities, accelerations and jerks of axes: the controller's own not at all; those
 /// within the limits of the axes by what may happen between the places at which these are asked for.
@@ -180,6 +181,10 @@ fn checked(
     let (slack, rapids) = (slack(limits), rapids(machine, program));
     let is_job = program.dialect() == Dialect::Job;
     let mut checker = Checker::new(machine, rapids, slack, is_job);
+    if program.settings().inputs.mode != VelocityMode::Trapezoid {
+        // Feeds are solved for on trapezoids.
+        checker = checker.without_feeds();
+    }
     checker.continue_from(continues);
     let mut rehearsal = physics.then(|| Rehearsal::new(machine, scenario));
     let mut way = Way::new(machine)?;

@@ -12,6 +12,8 @@ use nalgebra::Vector4;
 const MEDIAN: f64 = 0.6745;
 /// Positions that differ by less than this part of the largest one are the same.
 const FINEST: f64 = 1e-6;
+/// A multiple of a step is exact to this part of it.
+const MULTIPLE: f64 = 1e-3;
 /// An outlier exceeds this many times the usual residual, and one run in a million has one by chance.
 const SUSPECT: f64 = 4.0;
 const OUTLIER: f64 = 1e-6;
@@ -29,13 +31,16 @@ const UNEXPLAINED: f64 = 0.5;
 const MANY: f64 = 20.0;
 
 impl Problem<'_> {
-    /// The smallest difference between positions of the slave: rounded ones are not known better.
+    /// The step to which the slave's positions are rounded: their smallest difference, if all others are multiples of it; else 0.
     pub(super) fn step(&self) -> f64 {
         let mut slaves: Vec<f64> = self.samples.iter().map(|s| s.slave).collect();
         slaves.sort_by(f64::total_cmp);
         let least = FINEST * self.ends(|s| s.slave.abs())[1];
         let gaps = slaves.windows(2).map(|pair| pair[1] - pair[0]);
-        gaps.filter(|gap| *gap > least).min_by(f64::total_cmp).unwrap_or_default()
+        let step = gaps.filter(|gap| *gap > least).min_by(f64::total_cmp).unwrap_or_default();
+        let is_multiple = |gap: f64| (gap / step - (gap / step).round()).abs() < MULTIPLE;
+        let first = slaves.first().copied().unwrap_or_default();
+        if slaves.iter().all(|slave| is_multiple(slave - first)) { step } else { 0.0 }
     }
 
     /// Lag-1 correlation of the residuals.
