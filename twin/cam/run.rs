@@ -138,6 +138,12 @@ impl RecordedRun {
         Ok(run)
     }
 
+    /// The usual time between two samples, s: the median.
+    pub(crate) fn between_s(&self) -> f64 {
+        let pairs = self.samples.iter().zip(self.samples.iter().skip(1));
+        median(pairs.map(|(one, next)| next.time_s - one.time_s).collect())
+    }
+
     /// The same run with a master that goes on where its positions begin again after whole turns of `turn`, as those do that are
     /// recorded within the period of an axis. A step is taken for such an end if it goes over more than half a turn, and over
     /// more than half of where the master goes at all: one that is so fast goes farther.

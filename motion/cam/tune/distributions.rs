@@ -12,7 +12,7 @@ pub(super) fn fisher_exceeds(f: f64, above: f64, below: f64) -> f64 {
 }
 
 /// Probability that |t| of `freedom` degrees of freedom exceeds `t`.
-pub(super) fn student_exceeds(t: f64, freedom: f64) -> f64 {
+pub fn student_exceeds(t: f64, freedom: f64) -> f64 {
     fisher_exceeds(t * t, 1.0, freedom)
 }
 

@@ -19,7 +19,7 @@ mod tests;
 pub use constrained::{
     Bound, Constrained, ConstraintError, Constraints, Objective, constrained_fit,
 };
-pub use distributions::student_975;
+pub use distributions::{student_975, student_exceeds};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};
 pub use ramp_in::{
     RampError, RampGoal, RampIn, RampMoment, RampShown, RampWish, on_cam, ramp_in, ramp_shown,

@@ -192,7 +192,7 @@ fn dead_times_of_a_thousand_runs_lie_in_their_intervals() {
             [[-170.0, 170.0], [-20.0, 20.0], [0.001, 0.03]].map(|[a, b]| random.between(a, b));
         let run = run(&mut random, [offset, shift, truth], 0.2);
         let seen = switchings(&file, &with_offset(&use_it, offset), &run);
-        let dead = tappet_dead_time(&use_it, &seen).expect("a dead time");
+        let dead = tappet_dead_time(&use_it, &seen, run.between_s()).expect("a dead time");
         hits += usize::from(dead.holds(truth));
         assert!((dead.value - truth).abs() < 0.002, "{seed}: {dead:?} {truth:?}");
     }
@@ -236,8 +236,28 @@ fn a_run_says_how_far_the_slave_was() {
     let last = run.velocity(run.samples.len() - 1);
     assert!((last - 1400.0).abs() < 2.0, "{last}");
     let none = RecordedRun { groups: Vec::new(), ..run };
-    let error = tappet_dead_time(&use_it, &switchings(&file, &use_it, &none)).expect_err("none");
+    let error =
+        tappet_dead_time(&use_it, &switchings(&file, &use_it, &none), 0.002).expect_err("none");
     assert_eq!(error, TuneError::FewSwitchings { found: 0, needed: 4 });
+}
+
+/// An output that something else switches, half a second behind its tappet, is told with its line.
+#[test]
+fn a_switching_that_is_none_of_the_tappets_is_told() {
+    let file = cam(LIFT);
+    let use_it = with_offset(&using(&file, 200.0, AxisLimits::NONE), 12.0);
+    let mut run = run(&mut Random(5), [12.0, 3.0, 0.01], 0.0);
+    let seen = switchings(&file, &use_it, &run);
+    let found = tappet_dead_time(&use_it, &seen, run.between_s()).expect("a dead time");
+    assert!((found.value - 0.01).abs() < 0.001, "{found:?}");
+    let off = run.samples.iter().position(|sample| !sample.outputs[0]).expect("off");
+    let on = run.samples[off..].iter().position(|sample| sample.outputs[0]).expect("on") + off;
+    run.samples[on..on + 60].iter_mut().for_each(|sample| sample.outputs[0] = false);
+    let seen = switchings(&file, &use_it, &run);
+    let error = tappet_dead_time(&use_it, &seen, run.between_s()).expect_err("an outlier");
+    let TuneError::Outlier { line, behind_s, .. } = error else { panic!("{error}") };
+    assert_eq!(line, run.samples[on + 60].line);
+    assert!((behind_s - 0.13).abs() < 0.002, "{behind_s}");
 }
 
 #[test]

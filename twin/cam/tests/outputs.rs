@@ -1,8 +1,9 @@
-//! Outputs of runs that scatter, or that no tappet has switched.
+//! Outputs of runs that contradict each other, or that no tappet has switched.
 
 use super::found::{Random, cam, using};
 use crate::cam::check::{AxisLimits, CamUse};
 use crate::cam::run::{RecordedRun, RunSample};
+use crate::cam::tune::dead_time::Part;
 use crate::cam::tune::{TuneError, run_dead_time};
 use twin_cam::tune::Estimate;
 use twin_machine::cam_file::CamFile;
@@ -61,9 +62,21 @@ pub(super) fn output_error(run: &RecordedRun) -> TuneError {
 pub(super) const FIRST: [f64; 2] = [60.0, 200.0];
 pub(super) const SECOND: [f64; 2] = [100.0, 300.0];
 
-/// Two groups of the same dead time, within what samples tell.
+/// Group 1 is 5 ms late and group 2 later, without any scatter: no dead time is both, and both are told. Of the same dead
+/// time, within what samples tell, it is found.
 #[test]
-fn the_dead_time_of_two_groups() {
+fn groups_that_contradict_each_other_are_told() {
+    for (between, second) in [(0.001, 0.04), (0.001, 0.01), (0.001, 0.02), (0.002, 0.01)] {
+        let run = recorded(&[1, 2], between, 8000, |time| {
+            vec![late(time, FIRST, [0.005; 2]), late(time, SECOND, [second; 2])]
+        });
+        let error = output_error(&run);
+        let TuneError::TwoDeadTimes { one, other } = &error else { panic!("{error}") };
+        assert_eq!((one.which, other.which), (Part::Group(1), Part::Group(2)));
+        assert!((one.mean_s - 0.005).abs() <= between && (other.mean_s - second).abs() <= between);
+        let text = error.to_string();
+        assert!(text.contains("group 1 switches 0.00") && text.contains("group 2"), "{text}");
+    }
     for between in [0.001, 0.004] {
         let run = recorded(&[1, 2], between, 3000, |time| {
             vec![late(time, FIRST, [0.0053; 2]), late(time, SECOND, [0.0053; 2])]
@@ -72,10 +85,30 @@ fn the_dead_time_of_two_groups() {
     }
 }
 
+/// Edges of one group, halves of the run, and every other switching.
+#[test]
+fn other_parts_that_contradict_each_other_are_told() {
+    let which = |run: &RecordedRun| match output_error(run) {
+        TuneError::TwoDeadTimes { one, other } => (one.which, other.which),
+        other => panic!("{other}"),
+    };
+    let edges = recorded(&[1], 0.001, 8000, |time| vec![late(time, FIRST, [0.004, 0.011])]);
+    assert_eq!(which(&edges), (Part::On(1), Part::Off(1)));
+    let halves = recorded(&[1], 0.001, 8000, |time| {
+        vec![late(time, FIRST, [if time < 4.0 { 0.004 } else { 0.012 }; 2])]
+    });
+    assert_eq!(which(&halves), (Part::First, Part::Second));
+    let turns = recorded(&[1], 0.001, 15_000, |time| {
+        let odd = (VELOCITY * time / 360.0).rem_euclid(2.0) < 1.0;
+        vec![late(time, FIRST, [if odd { 0.004 } else { 0.03 }; 2])]
+    });
+    assert_eq!(which(&turns), (Part::Early, Part::Late));
+}
+
 /// Dead times that scatter by a millisecond, alike in both groups or not: what is true is found, in 200 of 200 runs, and lies in its
 /// interval in 95 % of them or more (half a sample is added).
 #[test]
-fn dead_times_that_scatter() {
+fn scatter_is_no_contradiction() {
     for scatter in [[0.001, 0.001], [0.0002, 0.0015]] {
         let mut hits = 0;
         for seed in 0..200 {

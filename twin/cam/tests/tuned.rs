@@ -126,7 +126,7 @@ fn dead_time(run: &RecordedRun, in_effect: f64) -> Result<Estimate, TuneError> {
     let mut use_it = using(&file, VELOCITY, AxisLimits::NONE);
     use_it.coupling.dead_time_s = in_effect;
     let seen = switchings(&file, &use_it, run);
-    tappet_dead_time(&use_it, &seen)
+    tappet_dead_time(&use_it, &seen, run.between_s())
 }
 
 /// The output of the tappets at 50 and 200, so much later.

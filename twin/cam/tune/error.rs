@@ -1,5 +1,6 @@
 //! Errors of cam tuning.
 
+use super::dead_time::SwitchingPart;
 use twin_cam::CamError;
 use twin_cam::tune::{ConstraintError, FitError, RampError};
 use twin_number::significant;
@@ -23,6 +24,12 @@ pub(crate) enum TuneError {
         if *.found == 1 { " is" } else { "s are" }
     )]
     FewSwitchings { found: usize, needed: usize },
+    #[error(
+        "dead time of the tappets: the output of line {line} switches {} s behind its tappet, the others about {} s: \
+         something else switched it, or it is not this cam's",
+        significant(*.behind_s, 4), significant(*.usual_s, 4)
+    )]
+    Outlier { line: u64, behind_s: f64, usual_s: f64 },
     #[error(
         "dead time of the tappets: the {count} switchings of group {group} scatter by {} s, and the master passes such a tappet \
          every {} s: an output that switches at random looks the same. Check that this cam alone switches it, or record more \
@@ -48,6 +55,8 @@ pub(crate) enum TuneError {
         groups(.has)
     )]
     NoGroup { group: i16, has: Vec<i16> },
+    #[error("dead time of the tappets: {one}, {other}: a dead time cannot be both")]
+    TwoDeadTimes { one: SwitchingPart, other: SwitchingPart },
     #[error("the smallest peak: {0}")]
     Minimise(#[source] ConstraintError),
     #[error("ramp: {0}")]
