@@ -7,6 +7,7 @@ use crate::{
 };
 
 /// Two parameters and a version, no axes.
+#[expect(clippy::struct_excessive_bools, reason = "each is a fault of its own")]
 #[derive(Debug)]
 struct Shelf {
     values: [i64; 3],

@@ -76,11 +76,12 @@ fn a_corner_within_the_tolerance_steps() {
 #[test]
 fn corners_that_follow_each_other_within_a_cycle_are_one() {
     let angle = 0.02_f64;
-    let mut program = "% chords\nN10 G92 X100 Y100\nN20 F100 E2900 E-2900\n".to_owned();
-    for (corner, number) in (1..=400).zip((30..).step_by(10)) {
+    let lines = (1..=400).zip((30..).step_by(10)).map(|(corner, number)| {
         let (sin, cos) = (f64::from(corner) * angle).sin_cos();
-        program += &format!("N{number} G1 X{:.9} Y{:.9}\n", 99.0 + cos, 100.0 + sin);
-    }
+        format!("N{number} G1 X{:.9} Y{:.9}\n", 99.0 + cos, 100.0 + sin)
+    });
+    let begin = "% chords\nN10 G92 X100 Y100\nN20 F100 E2900 E-2900\n".to_owned();
+    let program: String = std::iter::once(begin).chain(lines).collect();
     let outcome = checked(GANTRY3, &program);
     let expected = 200.0 * (3.0 * angle).sin();
     for axis in ["X", "Y"] {

@@ -140,7 +140,7 @@ impl Memory {
     }
 
     /// What the generator goes by.
-    pub(super) fn ceilings(&self, assumptions: &Assumptions) -> Ceilings {
+    pub(super) fn ceilings(&self, assumptions: Assumptions) -> Ceilings {
         let turn = StepsPerTurn::new(self.word(FULL_STEPS), self.word(STEP_DIVISOR));
         let position = |index| i32::try_from(self.value(index)).unwrap_or(0);
         Ceilings {
@@ -150,7 +150,7 @@ impl Memory {
             deceleration: self.word(DECELERATION_MAX),
             emergency: self.word(DECELERATION_LIMIT),
             positions: (position(POSITION_MIN), position(POSITION_MAX)),
-            assumptions: *assumptions,
+            assumptions,
         }
     }
 

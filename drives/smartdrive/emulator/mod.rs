@@ -302,7 +302,7 @@ impl Device {
     }
 
     fn ceilings(&self) -> Ceilings {
-        self.memory.ceilings(&self.options.assumptions)
+        self.memory.ceilings(self.options.assumptions)
     }
 
     fn operate_cams(&mut self) {

@@ -403,13 +403,9 @@ impl Extremes {
                 return false;
             }
             let turns = low - errors[0] < 0.0 && high + errors[0] > 0.0;
-            if turns && errors[0] * width > CERTAIN_POSITION {
-                let [lowest, highest] = velocity.integral(width).hull();
-                let [least, most] = floor.position.map(|position| position - from.position[index]);
-                let error = errors[0] * width;
-                if lowest - error < least || highest + error > most {
-                    return false;
-                }
+            let way = velocity.integral(width);
+            if turns && !is_certain(&way, errors[0] * width, from.position[index], floor) {
+                return false;
             }
             curves[index] = Some((velocity, acceleration, jerk, turns));
         }
@@ -456,6 +452,13 @@ impl Extremes {
         }
         true
     }
+}
+
+/// True if the positions `start` + `way` (m or rad) are known well enough with this `error`.
+fn is_certain(way: &Bernstein, error: f64, start: f64, floor: &Floor) -> bool {
+    let [lowest, highest] = way.hull();
+    let [least, most] = floor.position.map(|position| position - start);
+    error <= CERTAIN_POSITION || (lowest - error >= least && highest + error <= most)
 }
 
 /// Start and end of a piece on its element, m. At the ends of blends it is a little less.
