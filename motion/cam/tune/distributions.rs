@@ -1,4 +1,4 @@
-//! Tail probabilities of Student's t and Fisher's F.
+//! Tail probabilities of Student's t, Fisher's F and the lag-1 correlation of white noise.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use statrs::function::beta::checked_beta_reg;
@@ -28,6 +28,25 @@ pub fn student_975(freedom: usize) -> f64 {
     }
     let z = 1.959_963_984_540_054_f64;
     z + (z.powi(3) + z) / (4.0 * n)
+}
+
+/// Probability that the lag-1 correlation of `samples` values of white noise, Σ e·e′ / Σ e², exceeds `r` in magnitude.
+///
+/// The correlation lies between ± cos(π/(n + 1)), and its variance is (n − 1)/(n·(n + 2)) (von Neumann); a symmetric beta
+/// distribution of this range and variance approximates it.
+pub(super) fn correlation_exceeds(r: f64, samples: usize) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+    let n = samples as f64;
+    if n < 3.0 {
+        return 1.0;
+    }
+    let reach = (std::f64::consts::PI / (n + 1.0)).cos();
+    let variance = (n - 1.0) / (n * (n + 2.0));
+    let share = (r / reach).powi(2);
+    if share >= 1.0 {
+        return 0.0;
+    }
+    incomplete_beta((reach * reach / variance - 1.0) / 2.0, 0.5, 1.0 - share)
 }
 
 /// The regularised incomplete beta function; 1 where it is not defined.

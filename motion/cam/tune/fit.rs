@@ -5,7 +5,8 @@
 //! that fit alike the one next to the coupling in effect is taken, with its sign of `SlaveScaling`.
 
 use super::super::curve::Curve;
-use super::distributions::student_975;
+use super::bootstrap::Bootstrap;
+use super::distributions::correlation_exceeds;
 use super::{Estimate, FitError};
 use nalgebra::{Matrix4, Vector4};
 
@@ -89,10 +90,33 @@ pub struct Fit {
     pub estimates: [Estimate; 4],
     /// Weighted root mean square of the residuals, u.
     pub rms: f64,
-    /// Correlation of the residuals from sample to sample.
+    /// Correlation of the residuals from sample to sample, beyond what rounding explains.
     pub correlation: f64,
+    /// Quantum of the slave's positions, u; 0 if they are not rounded, or noise hides it.
+    pub quantum: f64,
 }
 
+impl Fit {
+    /// From this number of samples on the correlation of their noise is estimated; intervals of fewer hold for independent noise.
+    pub const SAMPLES: usize = 50;
+
+    /// Whether the residuals look like noise for which the intervals hold.
+    ///
+    /// Of few samples the correlation is too strong if independent noise has it in less than one run of ten thousand.
+    pub fn is_noise(&self, samples: usize) -> bool {
+        if samples < Self::SAMPLES {
+            return correlation_exceeds(self.correlation, samples) > CHANCE;
+        }
+        #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+        let by_chance = BY_CHANCE * ((1.0 - STRONG * STRONG) / samples as f64).sqrt();
+        self.correlation.abs() <= (STRONG + by_chance).min(STRONGEST)
+    }
+}
+
+/// The largest correlation of noise, the standard deviations that an estimate may exceed it by, and the largest estimate.
+const STRONG: f64 = 0.6;
+const BY_CHANCE: f64 = 1.645;
+const STRONGEST: f64 = 0.7;
 /// Probability with which independent noise is refused.
 pub(super) const CHANCE: f64 = 1e-4;
 /// Part of itself within which `MasterScaling` is looked for.
@@ -108,8 +132,6 @@ pub(super) const ALIKE: f64 = 25.0;
 const APART: f64 = 1e-3;
 /// The nearest answer is clear if it is no farther than this part of the distance between it and the next one.
 const CLEARLY: f64 = 0.25;
-/// Residuals of less than this part of a step are those of rounding, which is no noise: it is the same all over a dwell.
-const ROUNDED: f64 = 0.4;
 /// This part of the squares of the slave's positions is rounding.
 pub(super) const ROUNDING: f64 = 1e-18;
 
@@ -239,49 +261,25 @@ impl Problem<'_> {
     fn judged(&self, answer: &Answer, options: &FitOptions) -> Result<Fit, FitError> {
         let Answer { left, values, refused } = answer;
         let inverse = self.inverse(*values)?;
-        let step = self.step();
-        self.refuse_outliers(*values, options, step)?;
+        let step = self.quantum(*values);
+        self.refuse_outliers(*values, options, step.unwrap_or_default())?;
         self.refuse_unexplained(*left)?;
-        self.refuse_contradiction(*values, *left, step)?;
+        let residuals = self.residuals(*values, &inverse, step.unwrap_or_default());
+        let found = Bootstrap::new(self, &residuals, step);
+        self.refuse_contradiction(*values, *left, step.unwrap_or_default())?;
         if let Some(refused) = refused {
             return Err(refused.clone());
         }
-        let correlation = self.correlation(*values);
-        let mut half = self.half_widths(*left, &inverse, correlation);
-        let rms = (left / self.sum(|s| s.weight)).sqrt();
-        if rms < ROUNDED * step {
-            let most = self.by_rounding(*values, &inverse, step);
-            half = std::array::from_fn(|index| half[index] + most[index]);
-        }
+        let shift = self.attenuation(*values, &inverse, step.unwrap_or_default());
         let values = self.folded(*values, options);
-        let estimates =
-            std::array::from_fn(|index| Estimate { value: values[index], half_width: half[index] });
-        Ok(Fit { estimates, rms, correlation })
-    }
-
-    /// Student's quantile times the standard errors, σ²·(JᵀWJ)⁻¹ with σ² = Σ w·e² / (n − p), widened by √((1 + ρ)/(1 − ρ)) for noise of
-    /// the first order.
-    fn half_widths(&self, left: f64, inverse: &Matrix4<f64>, correlation: f64) -> [f64; 4] {
-        let freedom = self.samples.len() - self.unknowns();
-        let rho = correlation.max(0.0);
-        #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
-        let variance = left / freedom as f64 * (1.0 + rho) / (1.0 - rho);
-        let t = student_975(freedom);
-        let half = |index| t * (variance * inverse[(index, index)]).sqrt();
-        std::array::from_fn(|index| if self.free[index] { half(index) } else { 0.0 })
-    }
-
-    /// Largest errors of the values if every position is off by half a step: Σ |(JᵀWJ)⁻¹·Jᵀ·w|·step/2.
-    fn by_rounding(&self, values: Values, inverse: &Matrix4<f64>, step: f64) -> [f64; 4] {
-        let mut most = [0.0; 4];
-        for sample in self.samples {
-            let (_, row) = self.model(values, sample.master);
-            let part = inverse * row * sample.weight;
-            for (most, part) in most.iter_mut().zip(part.iter()) {
-                *most += 0.5 * step * part.abs();
-            }
-        }
-        std::array::from_fn(|index| if self.free[index] { most[index] } else { 0.0 })
+        let estimates = std::array::from_fn(|index| {
+            let half_width =
+                if self.free[index] { found.half[index] + shift[index].abs() } else { 0.0 };
+            Estimate { value: values[index], half_width }
+        });
+        let rms = (left / self.sum(|s| s.weight)).sqrt();
+        let Bootstrap { correlation, quantum, .. } = found;
+        Ok(Fit { estimates, rms, correlation, quantum })
     }
 
     /// The answer among the minima of the best places of the grid.

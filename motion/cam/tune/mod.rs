@@ -1,16 +1,18 @@
 //! Tuning a cam offline: offsets and scalings from a recorded run or within limits, dead times from switchings, and ramps.
 //!
-//! Every estimate comes with an interval that holds the true value in 95 % of all runs. Data that do not determine a value, or
-//! contradict it, are refused.
+//! Every estimate comes with an interval that holds the true value in 95 % of all runs (`motion/cam/tune/bootstrap.rs`). Data that
+//! do not determine a value, or contradict it, are refused.
 
 #![allow(
     clippy::indexing_slicing,
     reason = "fixed arrays of the four values, and loops over the indexed array"
 )]
 
+mod bootstrap;
 mod constrained;
 mod distributions;
 mod fit;
+mod quantum;
 mod ramp_in;
 mod residuals;
 #[cfg(test)]

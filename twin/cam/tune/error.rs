@@ -14,6 +14,13 @@ pub(crate) enum TuneError {
         all(.outliers, |(line, by)| format!("line {line} (by {})", significant(*by, 4))))]
     Outliers { outliers: Vec<(u64, f64)> },
     #[error(
+        "offsets and scalings: residuals of {} {unit} rms remain and are not noise (correlation from sample to sample {}): \
+         the slave does something that the cam does not describe, so no interval would be valid; the nearest fit, {nearest}, is \
+         not proposed. Check that the run is of this cam and this coupling",
+        significant(*.rms, 4), significant(*.correlation, 3)
+    )]
+    NoNoise { correlation: f64, rms: f64, unit: String, nearest: String },
+    #[error(
         "offsets and scalings: the slave makes {} of the stroke that is wanted (SlaveScaling {}): is it recorded in other units than \
          the cam's? If that is its scaling, --find slave-scaling=FROM..TO says so",
         significant(*.strokes, 4), significant(*.scaling, 4)

@@ -7,6 +7,7 @@ use super::correction::of_coupling;
 use twin_cam::file::clean;
 use twin_cam::tune::{Estimate, Fit, FitError, FitOptions, Free, Sample, fit};
 use twin_machine::cam_file::CamFile;
+use twin_number::significant;
 
 /// Finds offsets and scalings in a run, beginning with those in use; `between` says between what `MasterOffset`, `MasterScaling`,
 /// `SlaveOffset` and `SlaveScaling` are, where that is known.
@@ -25,7 +26,7 @@ pub(crate) fn fit_run(
         .iter()
         .map(|sample| Sample { master: sample.master, slave: sample.slave, weight: 1.0 })
         .collect();
-    fit(file.cam.curve(), &samples, &options).map_err(|error| match error {
+    let found = fit(file.cam.curve(), &samples, &options).map_err(|error| match error {
         // Lines of the file, not numbers of samples.
         FitError::Outliers { outliers } => {
             let line = |index: usize| run.samples.get(index.wrapping_sub(1)).map(|one| one.line);
@@ -33,7 +34,18 @@ pub(crate) fn fit_run(
             TuneError::Outliers { outliers: outliers.into_iter().filter_map(in_file).collect() }
         }
         other => TuneError::Fit(other),
-    })
+    })?;
+    if found.is_noise(samples.len()) {
+        Ok(found)
+    } else {
+        let (correlation, rms, unit) = (found.correlation, found.rms, file.slave.unit().to_owned());
+        let named = using.coupling.numbers().into_iter().zip(found.estimates).zip(free.list());
+        let sought = named.filter(|(_, sought)| *sought);
+        let values: Vec<_> = sought
+            .map(|(((_, name, _), found), _)| format!("{name} {}", significant(found.value, 4)))
+            .collect();
+        Err(TuneError::NoNoise { correlation, rms, unit, nearest: values.join(", ") })
+    }
 }
 
 /// Refuses a slave that goes more than twice as far as is wanted, or less than half as far.

@@ -7,9 +7,6 @@ use serde_json::{Map, Value, json};
 use twin_cam::MasterMotion;
 use twin_cam::tune::{Estimate, Fit};
 
-/// Residuals that are correlated more strongly are hardly noise.
-const STRONG: f64 = 0.6;
-
 fn estimate(Estimate { value, half_width }: Estimate) -> Value {
     json!({ "value": value, "half_width_95": half_width })
 }
@@ -46,7 +43,7 @@ impl Report<'_> {
         let value = json!({
             "estimates": estimates, "proposed": self.proposed.as_ref().map(|_| proposed),
             "samples": self.samples, "rms_before": self.error_before, "rms_after": self.error_after,
-            "correlation": fit.correlation,
+            "correlation": fit.correlation, "quantum": fit.quantum,
         });
         let mut text = vec![rows.to_string()];
         text.extend(self.notes(fit));
@@ -99,10 +96,16 @@ impl Report<'_> {
         text.push(format!(
             "{samples} samples; the slave's error was {before} {slave} rms and {tense} {after} {slave}"
         ));
-        if fit.correlation > STRONG {
-            let correlation = short(fit.correlation);
+        if fit.quantum > 0.0 {
+            let step = short(fit.quantum);
             text.push(format!(
-                "what remains is correlated from sample to sample ({correlation}): the slave does something that the cam does not describe"
+                "the slave's positions are rounded to {step} {slave}; the intervals hold that"
+            ));
+        }
+        if samples < Fit::SAMPLES {
+            let enough = Fit::SAMPLES;
+            text.push(format!(
+                "the intervals of {samples} samples (fewer than {enough}) assume noise that is independent from sample to sample; so few samples do not show whether it is"
             ));
         }
         text

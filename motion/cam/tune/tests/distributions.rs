@@ -1,6 +1,8 @@
 //! Distributions against printed tables and closed forms.
 
-use super::super::distributions::{fisher_exceeds, student_975, student_exceeds};
+use super::super::distributions::{
+    correlation_exceeds, fisher_exceeds, student_975, student_exceeds,
+};
 
 /// From the printed tables of F.
 #[test]
@@ -34,6 +36,27 @@ fn student_is_the_same_as_by_its_own_series() {
     }
 }
 
+/// Of 200,000 draws of noise as many exceed a correlation as it says, a tenth more or less.
+#[test]
+fn correlations_of_noise() {
+    let mut random = super::Random(11);
+    for (samples, r) in [(6_usize, 0.6), (12, 0.5), (20, 0.45)] {
+        let mut beyond = 0_u32;
+        for _ in 0..200_000 {
+            let (mut square, mut product, mut before) = (0.0, 0.0, 0.0);
+            for _ in 0..samples {
+                let e = random.normal();
+                square += e * e;
+                product += e * before;
+                before = e;
+            }
+            beyond += u32::from((product / square).abs() > r);
+        }
+        let (found, said) = (f64::from(beyond) / 2e5, correlation_exceeds(r, samples));
+        assert!((found / said - 1.0).abs() < 0.1, "{samples}: {found} {said}");
+    }
+    assert!(correlation_exceeds(1.0, 12) <= 0.0);
+}
 /// From the printed tables.
 #[test]
 fn tables_of_student() {

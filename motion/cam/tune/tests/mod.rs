@@ -8,6 +8,7 @@ mod distributions;
 mod fit;
 mod intervals;
 mod least_peak;
+mod quantum;
 mod ramp_in;
 mod region;
 
