@@ -32,7 +32,7 @@ pub struct Finding {
     /// Unit of `value` and `limit`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<&'static str>,
-    /// The largest feed with which this would not be found, mm/s, where that has a closed form.
+    /// The largest feed with which this would not be found, mm/s, where a lower feed helps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_feed_mm_per_s: Option<f64>,
     /// Remedy, for people.
@@ -99,20 +99,25 @@ pub(crate) fn nothing_moves() -> Finding {
     Finding::error(Rule::Syntax, Place { line: 1, block: None }, message)
 }
 
-/// The worst error: one without a number, or that whose value is the largest multiple of its limit.
+/// The worst error, of equal ones the first.
 pub fn worst(findings: &[Finding]) -> Option<&Finding> {
-    let errors = || findings.iter().filter(|finding| finding.severity == Severity::Error);
+    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error);
+    errors.reduce(|worst, next| if is_worse(next, worst) { next } else { worst })
+}
+
+/// True if an error is worse than another: it is no overload, and that is one, or a larger multiple of its limit.
+pub(crate) fn is_worse(error: &Finding, than: &Finding) -> bool {
     let factor = |finding: &Finding| match finding.rule {
         Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisVelocityStep => {
             finding.value.zip(finding.limit).map(|(value, limit)| (value / limit).abs())
         }
         _ => None,
     };
-    errors().find(|finding| factor(finding).is_none()).or_else(|| {
-        errors().max_by(|one, other| {
-            factor(one).unwrap_or_default().total_cmp(&factor(other).unwrap_or_default())
-        })
-    })
+    match (factor(error), factor(than)) {
+        (None, Some(_)) => true,
+        (Some(factor), Some(other)) => factor > other,
+        (_, None) => false,
+    }
 }
 
 /// True if any finding makes the program unfit for the machine.

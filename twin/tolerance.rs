@@ -11,7 +11,7 @@ pub(crate) fn is_hidden(stepped: f64, velocities: [f64; 2], at_rest: bool, most:
     at_rest || (exceeds(stepped, most) && !too_fast)
 }
 
-/// True if `value` exceeds `limit` by more than rounding, or is no number.
+/// True if `value` exceeds `limit` by more than rounding, or is NaN.
 pub(crate) fn exceeds(value: f64, limit: f64) -> bool {
     value.is_nan() || value.abs() > limit * (1.0 + ROUNDING)
 }
@@ -21,7 +21,7 @@ mod tests {
     use super::exceeds;
 
     #[test]
-    fn what_is_no_number_is_above_every_limit() {
+    fn nan_is_above_every_limit() {
         assert!(exceeds(f64::NAN, f64::INFINITY) && exceeds(-2.0, 1.0) && !exceeds(-1.0, 1.0));
     }
 }

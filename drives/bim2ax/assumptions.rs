@@ -44,13 +44,28 @@ assumptions! {
     /// Assumptions where the manual is silent. The emulated device behaves by them, and the client expects them where it
     /// matters to it.
     pub struct Assumptions {
+        refreshes_all: bool = true, FLAG,
+            (40, "Does an interrupt refresh all zones?",
+                "only the one asked for", "reads only what it has asked for");
+        keeps_entries: bool = true, FLAG,
+            (41, "Are entries that are left over written again?",
+                "forgotten once taken", "clears them");
         entry_order: EntryOrder = EntryOrder::Listed,
             Choice(&[("listed", EntryOrder::Listed), ("by-number", EntryOrder::ByNumber)]),
             (42, "In which order are entries taken?",
                 "by number of the zone", "writes zone by zone");
+        needs_status: bool = true, FLAG,
+            (44, "Does an interrupt need bit 0 of the interrupt status?",
+                "counts without it", "always sets it");
         zero_ends_every_move: bool = false, FLAG,
             (93, "Does the order 0 end every move?",
                 "every move, not only manual ones", "gives no order that would end the move of the other axis");
+        refuses_repeats: bool = false, FLAG,
+            (93, "Does repeating its bit keep a manual move?",
+                "it goes on, with message bit 14", "gives no manual move");
+        refusal_stops: bool = false, FLAG,
+            (94, "What becomes of the move under way when an order is refused?",
+                "it ends", "says that the order was refused");
         cam_start: CamStart = CamStart::EdgeTaken,
             Choice(&[("edge-taken", CamStart::EdgeTaken), ("far-edge", CamStart::FarEdge)]),
             (95, "What does homing do on a cam that is not cleared?",
@@ -58,6 +73,9 @@ assumptions! {
         homing_keeps_position: bool = false, FLAG,
             (95, "What is the position after homing?",
                 "what it was, counted on", "reads it, and tells where it is not so");
+        abandon_loses_homing: bool = false, FLAG,
+            (100, "Does abandoning a move keep homing?",
+                "homing is lost", "reads message bit 4");
         holding_current_at_once: bool = false, FLAG,
             (166, "When does a new holding current act?",
                 "at once", "says whether a restart is needed");

@@ -31,7 +31,7 @@ pub mod protocol;
 #[cfg(test)]
 mod tests;
 
-pub use assumptions::{Assumptions, BAUD_RATES, BaudCode};
+pub use assumptions::{Assumptions, BAUD_RATES, BaudCode, BoardStop, OutputCode};
 pub use client::{
     AxisOptions, BoardState, EncoderOptions, Following, Identity, InterpCnc, InterpCncOptions,
     Snapshot,

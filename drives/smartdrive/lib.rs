@@ -31,7 +31,10 @@ pub mod protocol;
 #[cfg(test)]
 mod tests;
 
-pub use assumptions::{Assumptions, BadFrame, HomePosition, SetEffect, ZeroRate};
+pub use assumptions::{
+    AccCurrent, Assumptions, BadFrame, BothBits, HomePosition, LimitStop, SetEffect, StepFrom,
+    ZeroRate,
+};
 pub use client::{AxisOptions, DriveState, IoState, ParameterValue, SmartDrive, SmartDriveOptions};
 pub use drive::{OUTPUTS, SmartDriveBus};
 pub use family::{SmartDriveEntry, SmartDriveFamily};

@@ -1,9 +1,8 @@
-//! Points that the manuals leave open, and the option of each emulator that decides them.
+//! Everything that the digests of the manuals mark as an assumption, and the option that decides it.
 //!
 //! The tables `QUESTIONS` say what is assumed of which line, what else can be chosen and what the driver makes of it.
-//! Here the lines are typed off the digests once more, and the options are walked over field by field: a line without an
-//! option fails, and so does a field of `Assumptions` that no table explains. What only an emulated device would do
-//! otherwise is fixed, and a comment there says what was chosen.
+//! Here the lines are typed off the digests once more, and the options are walked over field by field: an assumption
+//! without an option fails, and so does a field of `Assumptions` that no table explains.
 
 use std::collections::BTreeMap;
 
@@ -12,12 +11,13 @@ use twin_drives::{Assumed, AssumedError};
 use twin_interpcnc as interpcnc;
 use twin_smartdrive as smartdrive;
 
-/// Lines of the digest of InterpCNC with assumptions that have an option, once for each.
-const INTERPCNC: [u16; 9] = [7, 11, 11, 11, 97, 97, 107, 107, 111];
+/// Lines of the digest of InterpCNC with assumptions, once for each.
+const INTERPCNC: [u16; 13] = [7, 11, 11, 11, 23, 77, 97, 97, 107, 107, 111, 113, 117];
 /// The same of SmartDRIVE.
-const SMARTDRIVE: [u16; 10] = [9, 10, 13, 77, 79, 79, 85, 139, 147, 148];
+const SMARTDRIVE: [u16; 19] =
+    [9, 10, 13, 75, 75, 77, 79, 79, 83, 83, 83, 83, 85, 93, 126, 139, 143, 147, 148];
 /// The same of BIM2AX.
-const BIM2AX: [u16; 7] = [15, 42, 44, 93, 95, 95, 166];
+const BIM2AX: [u16; 12] = [15, 40, 41, 42, 44, 93, 93, 94, 95, 95, 100, 166];
 
 /// What `Debug` shows, without spaces and commas, which it sets otherwise over several lines.
 fn plain(text: &str) -> String {
@@ -55,7 +55,7 @@ fn check<A: Assumed + std::fmt::Debug>(
         assert!(found.len() >= count, "line {line} has {count} assumptions: {found:?}");
     }
     let assumed = fields(driver);
-    assert!(assumed.len() > 4, "{assumed:?}");
+    assert!(assumed.len() > 10, "{assumed:?}");
     for question in questions {
         let known = question.line == 0 || lines.contains(&question.line);
         assert!(known, "{question:?}");

@@ -28,9 +28,11 @@ const PHASES_ON_ORDER: &str = "phases_on_order";
 /// held.
 const ENCODER: &str = "encoder";
 
-/// Numbers that differ from the usual ones so far that they count in a cell: frames in several parts, pauses that a fault
-/// may hit. Parameters for segments are those that homing has.
-const INTERPCNC: [(&str, &str); 15] = [
+/// Numbers that differ from the usual ones so far that they count in a cell: frames in several parts, a buffer that is
+/// full, pauses that a fault may hit. Parameters for segments are those that homing has.
+const INTERPCNC: [(&str, &str); 26] = [
+    ("arguments_stay", "false"),
+    ("lock_coil", "false"),
     ("silence", "5000"),
     ("most_read", "12"),
     ("most_written", "14"),
@@ -38,36 +40,70 @@ const INTERPCNC: [(&str, &str); 15] = [
     ("locked_exception", "4"),
     ("locked_exception", "7"),
     ("busy_axis_refuses", "false"),
+    ("enable_loss", "on-ramp"),
     ("enable_loss_keeps_segments", "true"),
+    ("limit_stop", "on-ramp"),
+    ("reversal_gap_ns", "50000000"),
+    ("home_one_by_one", "true"),
     ("baud_code", "hundreds"),
     ("baud_code", "index"),
     ("line_at_restart", "false"),
+    ("output_code", "number"),
     ("eeprom_write_ns", "100000000"),
+    ("eeprom_refuses", "false"),
+    ("exceptions_address", "7"),
+    ("exceptions_value", "7"),
     ("exceptions_failure", "7"),
+    ("buffer_segments", "17"),
     ("segment_acceleration", "57"),
     ("segment_start_stop", "14"),
 ];
 /// Those of them that are about segments.
-const SEGMENTS: [&str; 3] =
-    ["segment_acceleration", "segment_start_stop", "enable_loss_keeps_segments"];
-const SMARTDRIVE: [(&str, &str); 11] = [
+const SEGMENTS: [&str; 4] =
+    ["buffer_segments", "segment_acceleration", "segment_start_stop", "enable_loss_keeps_segments"];
+const SMARTDRIVE: [(&str, &str); 30] = [
     ("bad_frame", "generic"),
     ("bad_frame", "working"),
     ("bad_frame", "bad-mode"),
     ("bad_frame", "bad-params"),
     ("bad_frame", "not-available"),
+    ("wrong_length", "generic"),
+    ("wrong_length", "working"),
+    ("wrong_length", "bad-mode"),
+    ("wrong_length", "not-available"),
+    ("unknown_code", "generic"),
+    ("unknown_code", "working"),
+    ("unknown_code", "bad-mode"),
+    ("unknown_code", "bad-params"),
     ("answer_length", "as-command"),
+    ("both_bits", "set"),
+    ("both_bits", "clear"),
+    ("silent_while_changing", "true"),
+    ("refuses_beyond_ceilings", "true"),
+    ("step_from", "target"),
+    ("clamps_targets", "true"),
+    ("limit_stop", "deceleration"),
+    ("limit_stop", "at-once"),
     ("home_position", "goes-offset"),
+    ("applies_words_at_once", "true"),
+    ("extends_signs", "false"),
+    ("acc_current", "85"),
     ("zero_rate", "unlimited"),
     ("set_effect", "with-mode"),
     ("set_effect", "restarts-mode"),
     (LAYOUT, "table"),
 ];
-const BIM2AX: [(&str, &str); 7] = [
+const BIM2AX: [(&str, &str); 13] = [
+    ("refreshes_all", "false"),
+    ("keeps_entries", "false"),
     ("entry_order", "by-number"),
+    ("needs_status", "false"),
     ("zero_ends_every_move", "true"),
+    ("refuses_repeats", "true"),
+    ("refusal_stops", "true"),
     ("cam_start", "far-edge"),
     ("homing_keeps_position", "true"),
+    ("abandon_loses_homing", "true"),
     ("holding_current_at_once", "true"),
     (BYTE_ORDER, "little"),
     (PHASES_ON_ORDER, "false"),

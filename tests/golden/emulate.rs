@@ -370,7 +370,7 @@ fn assumptions_are_chosen_by_name() {
     let desk = Desk::new();
     let families = [
         ("interpcnc", "locked_exception", "none or 1 to 255"),
-        ("smartdrive", "home_position", "is-offset or goes-offset"),
+        ("smartdrive", "step_from", "setpoint or target"),
         ("bim2ax", "cam_start", "edge-taken or far-edge"),
     ];
     for (family, name, allowed) in families {

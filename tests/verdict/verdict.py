@@ -13,6 +13,7 @@ another peak value than the truth. Exit status 1: a violation is missed, or a fi
 - Values closer to their limit than 1e-5 of it are undecided and left out.
 - Where the tool turns with the path, axes jump at corners. A jump counts as the velocity that makes it in one cycle, and
   as a step to that velocity if it keeps the limit of the velocity.
+- Corners that are passed within a cycle of each other make one step of the velocity, their sum.
 """
 
 import argparse

@@ -63,8 +63,12 @@ impl Findings {
         } else if kept.len() < MAX_FINDINGS {
             kept.insert(key, finding);
         } else {
-            let both: Vec<_> = self.worst_left_out.take().into_iter().chain([finding]).collect();
-            self.worst_left_out = finding::worst(&both).cloned();
+            let worst = self.worst_left_out.as_ref();
+            if severity == Severity::Error
+                && worst.is_none_or(|worst| finding::is_worse(&finding, worst))
+            {
+                self.worst_left_out = Some(finding);
+            }
             let key = (severity, key);
             if !self.left_out_lately.contains(&key) {
                 self.left_out += 1;
@@ -89,16 +93,13 @@ impl Findings {
     pub(super) fn into_list(self) -> (Vec<Finding>, u64) {
         let mut list: Vec<_> = self.kept.into_values().flat_map(BTreeMap::into_values).collect();
         let mut left_out = self.left_out;
-        if let Some(candidate) = self.worst_left_out {
-            list.push(candidate);
-            let is_worst = finding::worst(&list)
-                .zip(list.last())
-                .is_some_and(|(one, last)| std::ptr::eq(one, last));
-            if is_worst {
-                left_out -= 1;
-            } else {
-                list.pop();
-            }
+        let worst = finding::worst(&list);
+        let more = self
+            .worst_left_out
+            .filter(|error| worst.is_none_or(|worst| finding::is_worse(error, worst)));
+        if let Some(error) = more {
+            list.push(error);
+            left_out -= 1;
         }
         (list, left_out)
     }
@@ -119,6 +120,29 @@ mod tests {
         let place = Place { line: 7, block: None };
         let finding = Finding::error(Rule::FunctionBlock, place, message.to_owned());
         Finding { severity, ..finding }
+    }
+
+    /// Errors beyond the number that is kept are counted; the worst of them is kept all the same.
+    #[test]
+    fn the_worst_error_is_never_left_out() {
+        let limit = |line: u32, factor: f64| {
+            let place = Place { line, block: None };
+            let finding = Finding::error(Rule::AxisVelocity, place, format!("line {line}"));
+            finding.with_value(factor, 1.0, "mm/s")
+        };
+        for (worst, kept, left_out) in
+            [(5.0, super::MAX_FINDINGS + 1, 29), (1.5, super::MAX_FINDINGS, 30)]
+        {
+            let mut findings = Findings::default();
+            for line in 1..=1030 {
+                let factor = if line == 1010 { worst } else { 2.0 };
+                findings.add(Some(About::Axis(0)), limit(line, factor));
+            }
+            let (list, more) = findings.into_list();
+            assert_eq!((list.len(), more), (kept, left_out));
+            let named = crate::finding::worst(&list).and_then(|one| one.value);
+            assert_eq!(named, Some(f64::max(worst, 2.0)));
+        }
     }
 
     /// Notes of one line that say different things are all kept, once each; of errors the worst.

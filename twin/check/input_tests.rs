@@ -12,7 +12,7 @@ use twin_planner::controller::XDirection;
 
 const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 
-fn checked(text: &str, settings: ReadSettings) -> Outcome {
+pub(super) fn checked(text: &str, settings: ReadSettings) -> Outcome {
     let machine = Machine::parse(Path::new("machine.toml"), GANTRY3).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("program.cnc");

@@ -203,6 +203,7 @@ impl<'m> PieceCheck<'m> {
             Err(out) => {
                 findings.add(None, unreachable(place, &out.error));
                 (self.last, self.open, self.lost, self.tip) = (None, None, true, None);
+                self.joints.clear();
                 return;
             }
         };

@@ -3,11 +3,14 @@
 use super::Outcome;
 use super::tests::checked;
 use crate::finding::{Finding, Rule};
+use crate::program::settings::ReadSettings;
 
 /// X and Y: 3000 mm/s², which is 3 mm/s in a cycle.
 const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 /// Arms of 250 and 200 mm; A: 1500 deg/s², B: 2500 deg/s².
 const SCARA2: &str = include_str!("../../tests/data/machines/scara2.toml");
+
+const SCARA3: &str = include_str!("../../machines/scara3.toml");
 
 /// The values of a rule by axis, in deg or mm.
 fn values(outcome: &Outcome, rule: Rule) -> Vec<(&str, f64)> {
@@ -214,6 +217,32 @@ fn the_other_elbow_fits_where_it_is_advised() {
         finding.hint.as_ref().is_some_and(|hint| hint.contains(&high)) && finding.axis.is_some()
     }));
     assert_eq!(checked(&other, program).findings, []);
+}
+
+/// The heading of a tool that turns with the path passes half a turn on the way round: the search for the nearest point ends.
+#[test]
+fn the_nearest_point_is_found_past_half_a_turn() {
+    let tangential = SCARA3.replace("direction = \"fixed\" ", "direction = \"tangential\" ");
+    assert_ne!(tangential, SCARA3);
+    let program = "% round\nN10 G92 X300 Y0 Z20\nN20 F60 E300 E-300\nN30 G3 X300 Y0 I20 J0\n";
+    let nearest = checked(&tangential, program).edge.unwrap();
+    assert_eq!(nearest.place.line, 4);
+    assert!(nearest.distance > 0.0, "{nearest:?}");
+}
+
+/// An emergency stop brakes the path at once, which is a step without an edge of the reach.
+#[test]
+fn an_emergency_stop_steps_at_once() {
+    let changes = ["0.5:emergency-stop=on", "1:emergency-stop=off"];
+    let changes = changes.map(|change| change.parse().unwrap()).into();
+    let settings = ReadSettings { changes, ..ReadSettings::default() };
+    let program = "% stop\nN10 G92 X0 Y0\nN20 G1 X100 F100 E1000 E-1000\n";
+    let outcome = super::input_tests::checked(program, settings);
+    let finding = step(&outcome);
+    near(&values(&outcome, Rule::AxisVelocityStep), &[("X", 100.0)], 1e-6);
+    assert!(finding.message.ends_with("the velocity of the path steps here"), "{finding:?}");
+    // X may step by 3 mm/s.
+    assert!((finding.largest_feed_mm_per_s.unwrap() - 3.0).abs() < 1e-6, "{finding:?}");
 }
 
 /// The reach is 50 mm to 450 mm: a line that passes the first axis at 80 mm, one that ends at √(440² + 50²) mm, and a circle

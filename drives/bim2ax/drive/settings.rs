@@ -22,7 +22,7 @@ const INPUT_MESSAGES: [u16; 3] = [message::PLUS_SWITCH, message::MINUS_SWITCH, m
 fn describe(
     number: u16,
     rating_ma: i64,
-    assumed: Assumptions,
+    assumed: &Assumptions,
     place: impl Fn(ModuleAxis) -> Option<usize>,
 ) -> Option<ParameterInfo> {
     let parameter = Parameter::from_number(number)?;
@@ -133,7 +133,7 @@ impl Bim2AxDrive {
         let rating_ma = if rating_ma > 0 { rating_ma } else { 5000 };
         let axes = &self.options.axes;
         let place = |axis| axes.iter().position(|used| *used == axis);
-        let assumed = self.options.driver.assumptions;
+        let assumed = &self.options.driver.assumptions;
         let known =
             (0..=0xFF).filter_map(|number| describe(number, rating_ma.into(), assumed, place));
         Ok(known.collect())
@@ -199,7 +199,7 @@ mod tests {
     fn described_values_are_those_that_are_taken() {
         for number_of in 0..=0x63 {
             let Some(parameter) = Parameter::from_number(number_of) else { continue };
-            let info = describe(number_of, 2000, Assumptions::default(), |_| None).unwrap();
+            let info = describe(number_of, 2000, &Assumptions::default(), |_| None).unwrap();
             let edges = [-5_000_000, -4_194_304, -4_194_303, -1, 0, 1, 27, 28, 59, 60, 2000, 2001]
                 .into_iter()
                 .chain([0x400, 0x401, 65_535, 65_536, 4_194_303, 4_194_304, i32::MAX, i32::MIN]);
@@ -221,10 +221,10 @@ mod tests {
         assert_eq!((bits(1 << 32), bits(i64::from(i32::MIN) - 1)), (None, None));
         let one = |axis| (axis == ModuleAxis::Two).then_some(0);
         let usual = Assumptions::default();
-        let reference = describe(0x29, 1000, usual, one).unwrap();
+        let reference = describe(0x29, 1000, &usual, one).unwrap();
         assert_eq!(reference.name, "reference-position-10-2");
         assert_eq!(
-            (reference.axis, describe(0x28, 1000, usual, |_| None).unwrap().axis),
+            (reference.axis, describe(0x28, 1000, &usual, |_| None).unwrap().axis),
             (Some(0), None)
         );
     }
@@ -234,7 +234,7 @@ mod tests {
     fn a_restart_is_needed_where_it_is_assumed() {
         for (at_once, number, needed) in [(false, 6, true), (true, 6, false), (true, 4, true)] {
             let assumed = Assumptions { holding_current_at_once: at_once, ..Default::default() };
-            let info = describe(number, 2000, assumed, |_| None).unwrap();
+            let info = describe(number, 2000, &assumed, |_| None).unwrap();
             assert_eq!(info.needs_restart, needed, "{number}");
         }
     }

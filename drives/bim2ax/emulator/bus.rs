@@ -209,6 +209,12 @@ impl Module {
     pub(super) fn heard(&self, offset: u8) -> u8 {
         byte(&self.heard, offset)
     }
+
+    /// Takes an entry back that has been carried out.
+    pub(super) fn forget_entry(&mut self, entry: u8) {
+        set(&mut self.heard, entry, 0);
+        self.set_ram(HOST_PAGE, entry, 0);
+    }
 }
 
 fn byte(page: &Page, offset: u8) -> u8 {

@@ -19,11 +19,11 @@ use crate::{
 };
 
 impl Module {
-    /// The interrupt takes effect; orders are refused or not. Assumed: it needs bit 0 of the interrupt status, and entries
-    /// that are left over are taken again.
+    /// The interrupt takes effect; orders are refused or not.
     pub(super) fn serve(&mut self, refused: bool) {
         self.served += 1;
-        if self.heard(INTERRUPT_STATUS) & 1 == 0 {
+        let assumed = self.options.assumptions;
+        if assumed.needs_status && self.heard(INTERRUPT_STATUS) & 1 == 0 {
             return;
         }
         let zones = self.heard(ZONES);
@@ -32,12 +32,15 @@ impl Module {
         }
         if self.options.version >= ZONES_AT_ONCE {
             let entries = ENTRIES..ENTRIES + 4;
-            let mut named: Vec<u8> = entries.map(|entry| self.heard(entry)).collect();
-            if self.options.assumptions.entry_order == EntryOrder::ByNumber {
+            let mut named: Vec<u8> = entries.clone().map(|entry| self.heard(entry)).collect();
+            if assumed.entry_order == EntryOrder::ByNumber {
                 named.sort_by_key(|zone| zone & 0xF);
             }
             for zone in named.into_iter().filter(|zone| zone >> 4 != 0) {
                 self.take(zone & 0xF, refused);
+            }
+            if !assumed.keeps_entries {
+                entries.for_each(|entry| self.forget_entry(entry));
             }
         }
         if self.running {
@@ -96,9 +99,9 @@ impl Module {
         }
     }
 
-    /// Writes what the module says into page 6. Assumed: an interrupt refreshes all zones, where it takes several.
+    /// Writes what the module says into page 6.
     fn refresh(&mut self, asked: u8) {
-        let all = self.options.version >= ZONES_AT_ONCE;
+        let all = self.options.version >= ZONES_AT_ONCE && self.options.assumptions.refreshes_all;
         let zones = ReadZone::ALL.into_iter().filter(|zone| all || zone.number() == asked);
         let zones: Vec<_> = zones.map(|zone| (zone, self.shown(zone))).collect();
         self.say(asked, &zones);

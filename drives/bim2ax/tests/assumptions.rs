@@ -14,14 +14,20 @@ async fn rig(module: Assumptions, driver: Assumptions) -> Rig {
 }
 
 /// Every alternative, one at a time.
-fn alternatives() -> [Assumptions; 6] {
+fn alternatives() -> [Assumptions; 12] {
     let usual = Assumptions::default();
     [
         usual,
+        Assumptions { refreshes_all: false, ..usual },
+        Assumptions { keeps_entries: false, ..usual },
         Assumptions { entry_order: EntryOrder::ByNumber, ..usual },
+        Assumptions { needs_status: false, ..usual },
         Assumptions { zero_ends_every_move: true, ..usual },
+        Assumptions { refuses_repeats: true, ..usual },
+        Assumptions { refusal_stops: true, ..usual },
         Assumptions { cam_start: CamStart::FarEdge, ..usual },
         Assumptions { homing_keeps_position: true, ..usual },
+        Assumptions { abandon_loses_homing: true, ..usual },
         Assumptions { holding_current_at_once: true, ..usual },
     ]
 }
@@ -45,7 +51,8 @@ async fn the_driver_copes_with_every_alternative() {
         rig.driver.abandon(&clock()).await.unwrap();
         let seen = rig.rest().await;
         assert!(seen.positions[0] < 2000, "{assumed:?}");
-        assert_ne!(seen.messages[0] & message::HOMED, 0, "{assumed:?}");
+        let homed = seen.messages[0] & message::HOMED != 0;
+        assert_eq!(homed, !assumed.abandon_loses_homing, "{assumed:?}");
     }
 }
 
@@ -98,15 +105,16 @@ async fn the_holding_current_acts_after_reset_or_at_once() {
 }
 
 #[test]
-fn an_interrupt_counts_with_its_status_only() {
-    let options = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
-    let mut module = Module::new(&options, &eeprom(), &surroundings());
-    for (status, answered) in [(0, 0), (1, 1)] {
-        module.advance(module.now_ns() + 1_000_000);
+fn an_interrupt_may_count_without_its_status() {
+    for needs_status in [true, false] {
+        let assumptions = Assumptions { needs_status, ..Assumptions::default() };
+        let options = ModuleOptions { assumptions, boot_ns: 0, ..ModuleOptions::default() };
+        let mut module = Module::new(&options, &eeprom(), &surroundings());
+        module.advance(1_000_000);
         // Asks for zone 1 with $01 at 0.
-        write(&mut module, &[(0xFD, 7), (0x00, 0xF1), (0x01, status), (0x7F, 1)]);
-        module.advance(module.now_ns() + 2_000_000);
+        write(&mut module, &[(0xFD, 7), (0x00, 0xF1), (0x01, 0), (0x7F, 1)]);
+        module.advance(2_000_000);
         module.bus_write(0xFD, 6);
-        assert_eq!(module.bus_read(0), answered);
+        assert_eq!(module.bus_read(0), u8::from(!needs_status));
     }
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::Fault;
 use crate::tests::common::fault_of;
 use crate::{
-    ByteOrder,
+    Assumptions, ByteOrder,
     protocol::bits::{card, message, uc},
 };
 use twin_drives::{Axes, DriveError};
@@ -148,15 +148,19 @@ async fn samples_are_of_the_middle_of_their_exchange() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn entries_left_over_are_not_carried_out_again() {
-    let mut rig = Rig::usual().await;
-    let clock = &clock();
-    rig.go([Some(300), Some(-300)]).await;
-    // Had the entries been carried out again, axis 2 would go back to its old target.
-    rig.manual([0, 0x10]).await;
-    sleep(Duration::from_millis(100)).await;
-    rig.manual([0, 0]).await;
-    let (seen, _) = rig.driver.rested(seconds(1), clock).await.unwrap();
-    assert_eq!(seen.positions[0], 300);
-    assert!((-210..-180).contains(&seen.positions[1]), "{seen:?}");
+async fn it_does_not_matter_to_the_driver_how_the_module_treats_zones() {
+    for (refreshes_all, keeps_entries) in [(true, false), (false, true), (false, false)] {
+        let assumptions = Assumptions { refreshes_all, keeps_entries, ..Assumptions::default() };
+        let module = ModuleOptions { assumptions, ..ModuleOptions::default() };
+        let mut rig = Rig::of(&module).await;
+        let clock = &clock();
+        rig.go([Some(300), Some(-300)]).await;
+        // Had the entries been carried out again, axis 2 would go back to its old target.
+        rig.manual([0, 0x10]).await;
+        sleep(Duration::from_millis(100)).await;
+        rig.manual([0, 0]).await;
+        let (seen, _) = rig.driver.rested(seconds(1), clock).await.unwrap();
+        assert_eq!(seen.positions[0], 300);
+        assert!((-210..-180).contains(&seen.positions[1]), "{seen:?}");
+    }
 }

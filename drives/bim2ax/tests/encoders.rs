@@ -75,7 +75,9 @@ fn differs(said: &DriveError) -> (Axes, i64, i64) {
 fn shafts_that_follow_are_never_doubted() {
     let (eeprom, surroundings) = with_encoders();
     let old = ModuleOptions { version: 14, ..quick() };
-    for (module, late) in [(quick(), false), (old, false), (quick(), true)] {
+    let mut singly = quick();
+    singly.assumptions.refreshes_all = false;
+    for (module, late) in [(quick(), false), (old, false), (singly, true), (quick(), true)] {
         let mut rig = virtual_drive((&eeprom, &surroundings), &module, &strict());
         if late {
             let fault = WireFault::Delay { ns: 7_000_000 };

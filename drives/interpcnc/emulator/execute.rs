@@ -11,7 +11,7 @@ use super::{
     segments::Segment,
 };
 use crate::{
-    Command, MoveProfile,
+    BoardStop, Command, MoveProfile,
     protocol::{
         frame, parameters,
         registers::{AxisMask, COMMAND},
@@ -126,13 +126,14 @@ impl Board {
             if !self.assumptions.line_at_restart {
                 self.take_line_parameters();
             }
-            // Assumed: a write to a broken EEPROM is refused, and B15 tells as well.
-            if self.eeprom.broken() {
+            if self.eeprom.broken() && self.assumptions.eeprom_refuses {
                 return Err(Refusal::Failure);
             }
         }
         if start == COMMAND {
-            // Assumed: arguments that are absent keep their last value.
+            if !self.assumptions.arguments_stay {
+                self.memory.forget_arguments(values.len());
+            }
             self.command()?;
         }
         Ok(())
@@ -184,7 +185,7 @@ impl Board {
                 self.abandon_homing(AxisMask::ALL);
                 self.for_axes(AxisMask::ALL, |axis| axis.ramp_stop(now));
             }
-            Command::Stop => self.lock(),
+            Command::Stop => self.lock(BoardStop::AtOnce),
             // Motion commands have been dealt with.
             _ => {}
         }

@@ -6,6 +6,8 @@
 //! Beyond the manual: an axis that is on its switch already starts with the slow way off it; arguments without sense
 //! fail at once; whatever else stops or moves the axis fails its homing; the way off the switch is at most the stroke.
 
+use std::collections::VecDeque;
+
 use super::{Board, bench::input_bit};
 use crate::{
     AxisValues, MoveProfile,
@@ -46,6 +48,8 @@ enum Step {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Homings {
     active: [Option<(Homing, Step)>; AXES],
+    /// Axes of command 71 that have to wait for others.
+    waiting: VecDeque<Homing>,
     /// Extended B19, B21 …: the last command 78 has failed.
     failed: [bool; AXES],
     /// B11.
@@ -55,7 +59,7 @@ pub(super) struct Homings {
 impl Homings {
     /// B10.
     pub(super) fn machine_in_progress(&self) -> bool {
-        self.active.iter().flatten().any(|(homing, _)| homing.machine)
+        !self.waiting.is_empty() || self.active.iter().flatten().any(|(homing, _)| homing.machine)
     }
 
     /// B11.
@@ -79,7 +83,7 @@ impl Homings {
     }
 
     pub(super) fn any(&self) -> bool {
-        self.active.iter().any(Option::is_some)
+        self.active.iter().any(Option::is_some) || !self.waiting.is_empty()
     }
 
     /// Bit of the input of an axis' home switch while it homes.
@@ -91,6 +95,7 @@ impl Homings {
     fn fail(&mut self, axis: BoardAxis, machine: bool) {
         if machine {
             self.machine_failed = true;
+            self.waiting.clear();
         } else if let Some(failed) = self.failed.get_mut(axis.index()) {
             *failed = true;
         }
@@ -105,10 +110,10 @@ impl Board {
             self.abandon_homing(axis.mask());
         }
         self.homings.machine_failed = false;
+        self.homings.waiting.clear();
         let value = |number: u16| self.memory.parameter(number);
         let narrow = |value: u32| u16::try_from(value).unwrap_or(u16::MAX);
-        // Assumed: all axes at the same time.
-        let mut wanted = Vec::with_capacity(AXES);
+        let mut wanted = VecDeque::new();
         for (axis, stroke) in BoardAxis::ALL.into_iter().zip(strokes) {
             let Some(stroke) = stroke.map(i32::saturating_abs) else { continue };
             let rate = narrow(value(parameters::home_acceleration(axis)));
@@ -120,7 +125,7 @@ impl Board {
                 target: 0,
             };
             let closed = value(parameters::HOME_POLARITY) & u32::from(axis.mask().bits()) != 0;
-            wanted.push(Homing {
+            wanted.push_back(Homing {
                 axis,
                 input: input_bit(value(parameters::home_input(axis))),
                 level: !closed,
@@ -131,12 +136,16 @@ impl Board {
                 machine: true,
             });
         }
-        for homing in wanted {
-            self.start_homing(&homing);
+        if self.assumptions.home_one_by_one {
+            self.homings.waiting = wanted;
+        } else {
+            for homing in wanted {
+                self.start_homing(&homing);
+            }
         }
     }
 
-    /// Starts with one axis: command 78, or an axis of command 71.
+    /// Starts with one axis: command 78, or the turn of an axis in command 71.
     pub(super) fn start_homing(&mut self, homing: &Homing) {
         let axis = homing.axis;
         self.abandon_homing(axis.mask());
@@ -185,6 +194,10 @@ impl Board {
                 self.homings.fail(axis, homing.machine);
             }
         }
+        if axes == AxisMask::ALL && !self.homings.waiting.is_empty() {
+            self.homings.waiting.clear();
+            self.homings.machine_failed = true;
+        }
     }
 
     /// Goes on with every homing whose axis has come to where something changes; true if something happened.
@@ -195,6 +208,11 @@ impl Board {
             if let Some((homing, step)) = active {
                 changed |= self.step_axis_homing(&homing, step);
             }
+        }
+        let busy = self.homings.active.iter().flatten().any(|(homing, _)| homing.machine);
+        if !busy && let Some(next) = self.homings.waiting.pop_front() {
+            self.start_homing(&next);
+            changed = true;
         }
         changed
     }

@@ -1,13 +1,16 @@
 //! Limit switches: parameters 104 to 123 name an input and its polarity for both ends of each axis; 0 means none.
 //!
-//! An active switch shows in B27 to B31. Assumed: an axis that moves towards its active switch is stopped without ramp,
-//! and away from it moves freely; in an interpolated move all axes are stopped and the command buffer is cleared. A switch
-//! that is also the home switch stops no homing.
+//! An active switch shows in B27 to B31. Assumed: an axis that moves towards its active switch is stopped (see
+//! [`crate::Assumptions::limit_stop`]), and away from it moves freely; in an interpolated move all axes are
+//! stopped and the command buffer is cleared. A switch that is also the home switch stops no homing.
 
 use super::{Board, bench::input_bit};
-use crate::protocol::{
-    parameters,
-    registers::{AxisMask, BoardAxis},
+use crate::{
+    BoardStop,
+    protocol::{
+        parameters,
+        registers::{AxisMask, BoardAxis},
+    },
 };
 
 impl Board {
@@ -46,7 +49,10 @@ impl Board {
                 self.buffer.clear();
             }
             self.abandon_homing(name.mask());
-            self.for_axes(stopped, |axis| axis.stop(now));
+            match self.assumptions.limit_stop {
+                BoardStop::AtOnce => self.for_axes(stopped, |axis| axis.stop(now)),
+                BoardStop::OnRamp => self.for_axes(stopped, |axis| axis.ramp_stop(now)),
+            }
             changed = true;
         }
         changed

@@ -1,7 +1,10 @@
 //! Lock, ENABLE input and unlock input ("Commande 66 : Reset et Ré-armement").
 
 use super::{Board, bench::input_bit};
-use crate::protocol::{parameters, registers::AxisMask};
+use crate::{
+    BoardStop,
+    protocol::{parameters, registers::AxisMask},
+};
 
 /// Losing ENABLE counts after this long (firmware 5.27: "Filtrage entrée ENABLE (100ms sur toutes les cartes)").
 pub(super) const ENABLE_FILTER_NS: i64 = 100_000_000;
@@ -39,7 +42,7 @@ impl Board {
         if !self.assumptions.enable_loss_keeps_segments {
             self.buffer.clear();
         }
-        self.halt();
+        self.halt(self.assumptions.enable_loss);
         true
     }
 
@@ -62,16 +65,19 @@ impl Board {
     }
 
     /// Stops every axis, empties the command buffer and locks.
-    pub(super) fn lock(&mut self) {
+    pub(super) fn lock(&mut self, stop: BoardStop) {
         self.buffer.clear();
-        self.halt();
+        self.halt(stop);
     }
 
-    /// Stops every axis and locks. Assumed: without ramp, also where ENABLE is lost.
-    fn halt(&mut self) {
+    /// Stops every axis and locks.
+    fn halt(&mut self, stop: BoardStop) {
         let now = self.now_ns;
         self.abandon_homing(AxisMask::ALL);
-        self.for_axes(AxisMask::ALL, |axis| axis.stop(now));
+        match stop {
+            BoardStop::AtOnce => self.for_axes(AxisMask::ALL, |axis| axis.stop(now)),
+            BoardStop::OnRamp => self.for_axes(AxisMask::ALL, |axis| axis.ramp_stop(now)),
+        }
         self.locked = true;
         self.memory.reset_analog_outputs();
         self.switch_outputs(parameters::SET_WHEN_LOCKED, parameters::RESET_WHEN_LOCKED);
@@ -86,8 +92,7 @@ impl Board {
     }
 
     fn switch_outputs(&mut self, set: u16, reset: u16) {
-        // Assumed: one bit per output, OUT1 in bit 0, as the manual's table allows all 32 bits.
-        let named = |number| self.memory.parameter(number);
+        let named = |number| self.assumptions.output_code.outputs(self.memory.parameter(number));
         self.memory.outputs = (self.memory.outputs | named(set)) & !named(reset);
     }
 }

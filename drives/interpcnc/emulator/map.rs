@@ -5,9 +5,12 @@
 use std::ops::RangeInclusive;
 
 use super::{Board, bench::Condition, eeprom::KEPT, rtu::Refusal};
-use crate::protocol::{
-    parameters::{self, FIRST_PARAMETER, PARAMETERS},
-    registers::{AXES, BoardAxis, COMMAND, COMMAND_REGISTERS, words},
+use crate::{
+    BoardStop,
+    protocol::{
+        parameters::{self, FIRST_PARAMETER, PARAMETERS},
+        registers::{AXES, BoardAxis, COMMAND, COMMAND_REGISTERS, words},
+    },
 };
 
 /// Outputs OUT1 to OUT32 as coils.
@@ -109,6 +112,12 @@ impl Memory {
         }
     }
 
+    /// The command registers are 0 from now on, but for the first `count`.
+    pub(super) fn forget_arguments(&mut self, written: usize) {
+        let arguments = self.holding.iter_mut().take(COMMAND_REGISTERS.into()).skip(written);
+        arguments.for_each(|argument| *argument = 0);
+    }
+
     /// The command registers.
     pub(super) fn command(&self) -> [u16; COMMAND_REGISTERS as usize] {
         self.holding.first_chunk().copied().unwrap_or([0; COMMAND_REGISTERS as usize])
@@ -161,8 +170,7 @@ impl Board {
         if OUTPUTS.contains(&address) {
             Ok(bit(self.memory.outputs, address - OUTPUTS.start()))
         } else if address == LOCK {
-            // Assumed: it reads 1 when locked.
-            Ok(self.locked)
+            Ok(self.locked == self.assumptions.lock_coil)
         } else if USER_BITS.contains(&address) {
             let place = usize::from(address - USER_BITS.start());
             Ok(self.memory.user_bits.get(place).is_some_and(|bit| *bit))
@@ -186,8 +194,8 @@ impl Board {
                 if value { self.memory.outputs | mask } else { self.memory.outputs & !mask };
             self.set_outputs(outputs);
         } else if address == LOCK {
-            if value {
-                self.lock();
+            if value == self.assumptions.lock_coil {
+                self.lock(BoardStop::AtOnce);
             } else {
                 self.unlock();
             }

@@ -134,8 +134,13 @@ impl Board {
     pub fn status(&self) -> Status {
         let now = self.now_ns;
         let set = |bit: u32, on: bool| if on { bit } else { 0 };
-        // Before firmware 5.31 the bit dropped when a retargeted move reversed; here it never does.
-        let independent = self.axis_bits(|axis| axis.independent(now));
+        // Before firmware 5.31 the bit dropped when a retargeted move reversed.
+        let reversing = |axis: &Axis| {
+            let since = now - axis.turn_ns();
+            (0..self.assumptions.reversal_gap_ns).contains(&since)
+        };
+        let independent =
+            self.axis_bits(|axis| axis.independent(now) && !(axis.has_turn() && reversing(axis)));
         Status(
             self.axis_bits(|axis| axis.interpolating(now))
                 | independent << Status::ASYNC_MOVING_SHIFT

@@ -5,7 +5,7 @@ use super::{
     eeprom::from_image, map::Memory, motion::Axis,
 };
 use crate::{
-    Line, Parity,
+    BoardStop, Line, Parity,
     protocol::{
         parameters,
         registers::{AXES, BoardAxis},
@@ -147,7 +147,7 @@ impl Board {
 
     /// Everything stops without ramp and locks, as by command 43.
     pub fn stop_and_lock(&mut self) {
-        self.lock();
+        self.lock(BoardStop::AtOnce);
         self.settle();
     }
 }

@@ -33,13 +33,13 @@ pub(super) enum Refusal {
 }
 
 impl Refusal {
-    /// The code of the answer, if there is one. Assumed: 2 for a word outside a recipe, 3 for an impossible value.
+    /// The code of the answer, if there is one.
     pub(super) fn code(self, assumed: &Assumptions) -> Option<u8> {
         match self {
             Self::Silence => None,
             Self::Function => Some(1),
-            Self::Address => Some(2),
-            Self::Value => Some(3),
+            Self::Address => Some(assumed.exceptions_address),
+            Self::Value => Some(assumed.exceptions_value),
             Self::Failure => Some(assumed.exceptions_failure),
             Self::Locked => assumed.locked_exception,
         }

@@ -13,9 +13,6 @@ use crate::{
 };
 use twin_drives::ramp::Ramp;
 
-/// Segments that wait at most; the manual does not say how many.
-const BUFFER_SEGMENTS: usize = 64;
-
 /// A segment that waits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
@@ -109,7 +106,7 @@ impl Board {
         if segment.speed_hz == 0 {
             return Err(Refusal::Value);
         }
-        if self.buffer.waiting.len() >= BUFFER_SEGMENTS {
+        if self.buffer.waiting.len() >= usize::from(self.assumptions.buffer_segments) {
             return Err(Refusal::Failure);
         }
         self.buffer.waiting.push_back(segment);

@@ -10,7 +10,7 @@ use super::{
     profile, segment_of_x,
 };
 use crate::{
-    Assumptions, AxisMask, BaudCode, BoardAxis, InterpCnc, emulator::Event,
+    Assumptions, AxisMask, BaudCode, BoardAxis, BoardStop, InterpCnc, OutputCode, emulator::Event,
     protocol::registers::Status,
 };
 
@@ -19,17 +19,31 @@ fn alternatives() -> Vec<Assumptions> {
     let usual = Assumptions::default();
     vec![
         usual,
+        Assumptions { buffer_segments: 9, ..usual },
+        Assumptions { arguments_stay: false, ..usual },
+        Assumptions { lock_coil: false, ..usual },
         Assumptions { silence: Some(Duration::from_millis(4)), ..usual },
         Assumptions { most_read: 16, most_written: 16, ..usual },
         Assumptions { segment_acceleration: 200, segment_start_stop: 201, ..usual },
         Assumptions { broadcasts: false, ..usual },
         Assumptions { locked_exception: Some(6), ..usual },
         Assumptions { busy_axis_refuses: false, ..usual },
+        Assumptions { enable_loss: BoardStop::OnRamp, ..usual },
         Assumptions { enable_loss_keeps_segments: true, ..usual },
+        Assumptions { limit_stop: BoardStop::OnRamp, ..usual },
+        Assumptions { reversal_gap_ns: 5_000_000, ..usual },
+        Assumptions { home_one_by_one: true, ..usual },
         Assumptions { baud_code: BaudCode::Index, ..usual },
         Assumptions { line_at_restart: false, ..usual },
+        Assumptions { output_code: OutputCode::Number, ..usual },
         Assumptions { eeprom_write_ns: 50_000_000, ..usual },
-        Assumptions { exceptions_failure: 13, ..usual },
+        Assumptions { eeprom_refuses: false, ..usual },
+        Assumptions {
+            exceptions_address: 11,
+            exceptions_value: 12,
+            exceptions_failure: 13,
+            ..usual
+        },
     ]
 }
 

@@ -97,6 +97,19 @@ fn a_move_is_over_when_the_axis_stands_on_its_target() {
 }
 
 #[test]
+fn the_instant_of_reversal_is_not_taken_for_the_end() {
+    // The board shows no motion for 20 ms when the move reverses, which is more than an exchange.
+    let assumptions = Assumptions { reversal_gap_ns: 20_000_000, ..Assumptions::default() };
+    Rig::new(assuming(assumptions)).run(|mut driver, _hand| async move {
+        driver.unlock(&no_clock).await.unwrap();
+        driver.send(&go(BoardAxis::X, 1_000_000), &no_clock).await.unwrap();
+        sleep(Duration::from_secs(1)).await;
+        driver.move_axis(BoardAxis::X, &profile(-500), LONG, &no_clock).await.unwrap();
+        assert_eq!(driver.state(&no_clock).await.unwrap().0.positions[0], -500);
+    });
+}
+
+#[test]
 fn an_axis_that_something_else_stops_has_not_arrived() {
     let bench = Bench { cams: vec![switch(8, BoardAxis::X, 3000, 9000)], encoder: None };
     usual().run(|mut driver, hand| async move {
@@ -194,8 +207,8 @@ fn parameters_are_kept_and_checked() {
 #[test]
 fn a_broken_eeprom_is_no_lock_and_stays_broken_when_asked_again() {
     let usual = Assumptions::default();
-    for locked_exception in [Some(4), None] {
-        let assumptions = Assumptions { locked_exception, ..usual };
+    for (locked_exception, eeprom_refuses) in [(Some(4), true), (None, true), (None, false)] {
+        let assumptions = Assumptions { locked_exception, eeprom_refuses, ..usual };
         Rig::new(assuming(assumptions)).run(|mut driver, hand| async move {
             let clock = &no_clock;
             fails(&driver.set_output(3, true, clock).await, LOCKED);

@@ -210,7 +210,7 @@ impl SmartDrive {
     }
 
     /// STEP: by `distance` µsteps, as [`SmartDrive::go_to`]. Never sent twice unless the drive says that it has not heard
-    /// it. On a drive that moves, the manual does not say where it counts from.
+    /// it. On a drive that moves, where it counts from is [`crate::StepFrom`].
     ///
     /// # Errors
     /// As [`SmartDrive::go_to`].

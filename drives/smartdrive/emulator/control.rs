@@ -155,8 +155,8 @@ impl Device {
     /// Whether it hears anything at all.
     pub(super) fn is_alive(&self) -> bool {
         match self.phase {
-            // Assumed: it answers while its mode changes.
-            Phase::Running | Phase::Changing { .. } => true,
+            Phase::Running => true,
+            Phase::Changing { .. } => !self.options.assumptions.silent_while_changing,
             Phase::Booting { .. } | Phase::Dead => false,
         }
     }

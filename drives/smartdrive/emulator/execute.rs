@@ -6,10 +6,9 @@ use crate::{
     protocol::{
         frame::Answer,
         parameters::{
-            ACCELERATION_CURRENT, ACCELERATION_SETPOINT, ALARM_STATUS, ANALOG_1, ANALOG_2,
-            DECELERATION_SETPOINT, INPUT_GO, OUTPUT_LED, OUTPUT_RDY, POSITION_ACTUAL,
-            POSITION_SETPOINT, REVERSE_LIMN, SUPPLY, VAR_ENCODER_1, VAR_ENCODER_2, VELOCITY_ACTUAL,
-            VELOCITY_ATTENUATION, VELOCITY_SETPOINT, variable_at,
+            ACCELERATION_SETPOINT, ALARM_STATUS, ANALOG_1, ANALOG_2, INPUT_GO, Kind, OUTPUT_LED,
+            OUTPUT_RDY, POSITION_ACTUAL, POSITION_SETPOINT, REVERSE_LIMN, SUPPLY, VAR_ENCODER_1,
+            VAR_ENCODER_2, VELOCITY_ACTUAL, VELOCITY_ATTENUATION, VELOCITY_SETPOINT, variable_at,
         },
     },
 };
@@ -72,7 +71,10 @@ impl Device {
         }
         match *command {
             Command::Ping => return Ok(Reply::Ping),
-            Command::IoUpdate(update) => return Ok(Reply::Data(self.pins.update(update))),
+            Command::IoUpdate(update) => {
+                let both = self.options.assumptions.both_bits;
+                return Ok(Reply::Data(self.pins.update(update, both)));
+            }
             Command::Write { variable, value } => {
                 let entry = variable_at(variable).ok_or(RejectCode::NotAvailable)?;
                 // "Variables": the domain of all that can be written is 0/FFFFh.
@@ -110,8 +112,10 @@ impl Device {
 
     /// SET, and what follows from it.
     fn set_parameter(&mut self, parameter: u16, value: u16) -> Result<Copies, RejectCode> {
-        let (copies, is_whole) = self.memory.set(parameter, value)?;
-        match self.options.assumptions.set_effect {
+        let assumed = self.options.assumptions;
+        let (copies, is_whole) =
+            self.memory.set(parameter, value, assumed.applies_words_at_once)?;
+        match assumed.set_effect {
             SetEffect::AtOnce => self.memory.take_effect(),
             SetEffect::RestartsMode if is_whole => self.change_mode(self.mode, Work::None),
             SetEffect::RestartsMode | SetEffect::WithMode => {}
@@ -126,6 +130,17 @@ impl Device {
             return Err(RejectCode::Working);
         }
         let (now_ns, ceilings) = (self.now_ns, self.ceilings());
+        let allowed = match *command {
+            Command::Start { speed, rate } => ceilings.allow(speed.unsigned_abs(), rate),
+            Command::Stop { rate } => ceilings.allow(0, rate),
+            Command::GoTo { profile, .. } | Command::Step { profile, .. } => {
+                profile.is_none_or(|(speed, rate)| ceilings.allow(speed, rate))
+            }
+            _ => true,
+        };
+        if !allowed && self.options.assumptions.refuses_beyond_ceilings {
+            return Err(RejectCode::BadParams);
+        }
         match *command {
             Command::TrajectoryInit(Init::All | Init::Position) => self.set_position(0),
             Command::TrajectoryInit(Init::Homing) => return self.begin_homing_if_possible(),
@@ -162,12 +177,20 @@ impl Device {
         Ok(())
     }
 
-    /// A variable. Assumed: signs are extended to 32 bits.
+    /// A variable, its sign extended to 32 bits or not.
     fn read(&self, variable: u16) -> Result<i32, RejectCode> {
+        let value = self.value(variable)?;
+        let is_short = variable_at(variable).is_some_and(|entry| entry.kind == Kind::Signed);
+        let extends = self.options.assumptions.extends_signs;
+        Ok(if is_short && !extends { value & 0xFFFF } else { value })
+    }
+
+    fn value(&self, variable: u16) -> Result<i32, RejectCode> {
         let flag = |on: bool| if on { 0xFFFF } else { 0 };
         let turn = self.ceilings().turn;
         let state = self.generator.state(self.now_ns);
         let (up, down) = self.generator.rates();
+        let assumed = self.options.assumptions.acc_current;
         Ok(match variable {
             ANALOG_1 => i32::from(self.analog[0]),
             ANALOG_2 => i32::from(self.analog[1]),
@@ -180,9 +203,8 @@ impl Device {
             // The scale that the device applies to its speeds: none.
             VELOCITY_ATTENUATION => 32_767,
             ACCELERATION_SETPOINT => whole(turn.rpm(up)),
-            DECELERATION_SETPOINT => whole(turn.rpm(down)),
-            // Assumed: the manual prints 85, as for `Dec_Setpoint`.
-            ACCELERATION_CURRENT => {
+            _ if assumed.deceleration_index() == Some(variable) => whole(turn.rpm(down)),
+            _ if assumed.index() == variable => {
                 let soon = self.generator.state(self.now_ns + 1000);
                 whole(turn.rpm((soon.velocity - state.velocity) * 1e6))
             }

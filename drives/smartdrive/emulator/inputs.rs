@@ -3,7 +3,7 @@
 //! Source: "IOUPDATE". The bits are 7 LIMN, 6 LIMP, 5 OFF, 4 DIR, 3 GO, 2 LED, 1 BRK, 0 RDY; the last three are
 //! outputs, which are shown among the inputs. Edges of outputs are not caught (assumed).
 
-use crate::IoUpdate;
+use crate::{BothBits, IoUpdate};
 
 /// A level counts for the captures when it has lasted longer than this (100 µs).
 pub(super) const CAPTURE_NS: i64 = 100_000;
@@ -100,11 +100,17 @@ impl Pins {
     }
 
     /// IOUPDATE: levels after switching the outputs, and captures as they were before those asked for are cleared, so
-    /// that none is lost unseen. Assumed: an output whose bit is in both bytes stays as it is.
-    pub(super) fn update(&mut self, update: IoUpdate) -> [u8; 4] {
+    /// that none is lost unseen.
+    pub(super) fn update(&mut self, update: IoUpdate, both: BothBits) -> [u8; 4] {
         let unclear = update.set & update.clear;
-        self.outputs |= update.set & !unclear & OUTPUTS;
-        self.outputs &= !(update.clear & !unclear);
+        let (set, clear) = (update.set & !unclear, update.clear & !unclear);
+        let (set, clear) = match both {
+            BothBits::Unchanged => (set, clear),
+            BothBits::Set => (update.set, clear),
+            BothBits::Clear => (set, update.clear),
+        };
+        self.outputs |= set & OUTPUTS;
+        self.outputs &= !clear;
         let answer = [self.levels(), 0, self.active, self.reverse];
         self.active &= !update.clear_active;
         self.reverse &= !update.clear_reverse;

@@ -94,15 +94,20 @@ impl Memory {
     }
 
     /// Changes a word; the copies, and whether the value is a whole one now: that of two words is when the high one is
-    /// set, as assumed. The device goes by it from [`Self::take_effect`] on.
-    pub(super) fn set(&mut self, index: u16, new: u16) -> Result<(Copies, bool), RejectCode> {
+    /// set, or with each of them. The device goes by it from [`Self::take_effect`] on.
+    pub(super) fn set(
+        &mut self,
+        index: u16,
+        new: u16,
+        at_once: bool,
+    ) -> Result<(Copies, bool), RejectCode> {
         let (entry, is_high) = parameter_at(index).ok_or(RejectCode::NotAvailable)?;
         if !entry.writable {
             return Err(RejectCode::BadParams);
         }
         let before = word(&self.working, index);
         store(&mut self.working, index, new);
-        let is_whole = is_high || !entry.kind.is_long();
+        let is_whole = is_high || !entry.kind.is_long() || at_once;
         if is_whole && !entry.accepts(value(&self.working, entry)) {
             store(&mut self.working, index, before);
             return Err(RejectCode::BadParams);
@@ -140,7 +145,7 @@ impl Memory {
     }
 
     /// What the generator goes by.
-    pub(super) fn ceilings(&self, assumptions: Assumptions) -> Ceilings {
+    pub(super) fn ceilings(&self, assumptions: &Assumptions) -> Ceilings {
         let turn = StepsPerTurn::new(self.word(FULL_STEPS), self.word(STEP_DIVISOR));
         let position = |index| i32::try_from(self.value(index)).unwrap_or(0);
         Ceilings {
@@ -150,7 +155,7 @@ impl Memory {
             deceleration: self.word(DECELERATION_MAX),
             emergency: self.word(DECELERATION_LIMIT),
             positions: (position(POSITION_MIN), position(POSITION_MAX)),
-            assumptions,
+            assumptions: *assumptions,
         }
     }
 

@@ -33,7 +33,7 @@ use homing::Homing;
 use inputs::{CAPTURE_NS, Pins};
 use memory::Memory;
 
-use super::{Alarms, LoadSource, Mode, SetEffect, Status, TrajectoryFlags};
+use super::{Alarms, LoadSource, Mode, RejectCode, SetEffect, Status, TrajectoryFlags};
 use crate::{
     emulator::motion::{Ceilings, Generator},
     protocol::{
@@ -302,7 +302,7 @@ impl Device {
     }
 
     fn ceilings(&self) -> Ceilings {
-        self.memory.ceilings(self.options.assumptions)
+        self.memory.ceilings(&self.options.assumptions)
     }
 
     fn operate_cams(&mut self) {
@@ -357,6 +357,13 @@ impl Device {
     /// Takes one frame and gives the answer, if the device answers.
     pub fn handle(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
         let Some((address, command)) = frame::decode(frame) else { return self.bad_frame(frame) };
+        let assumed = &self.options.assumptions;
+        let command = command.map_err(|reason| match reason {
+            _ if frame::has_wrong_length(frame) => assumed.wrong_length,
+            // Of what can be decoded only unknown codes are.
+            RejectCode::NotAvailable => assumed.unknown_code,
+            reason => reason,
+        });
         let own = self.address();
         if !self.is_alive() || address != own && address != 0 {
             return None;

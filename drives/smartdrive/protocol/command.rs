@@ -304,17 +304,24 @@ impl Command {
         }
     }
 
+    /// Lengths of the data that belong to CMD; `None` if the code does not exist.
+    pub(crate) fn lengths(code: u8) -> Option<&'static [usize]> {
+        match code & 0x3F {
+            WRITE => Some(&[8]),
+            GOTO | STEP => Some(&[4, 8]),
+            RESET | PING | MODE | IOUPDATE | READ | SET..=LOAD | TRJINIT..=STOP => Some(&[4]),
+            _ => None,
+        }
+    }
+
     /// Decodes CMD and data, whose length is that of CMD.
     ///
     /// # Errors
-    /// The reason for which the device refuses it, as assumed: NOTAVAILABLE for an unknown code, BADPARAMS for a length
-    /// that does not belong to the code and for a mode or operation that does not exist.
+    /// The reason for which the device refuses it: an unknown code, a length that does not belong to the code (assumed
+    /// to be a wrong parameter), a mode or operation that does not exist.
     pub fn decode(code: u8, data: &[u8]) -> Result<Self, RejectCode> {
+        let known = Self::lengths(code).is_some();
         let code = code & 0x3F;
-        let known = matches!(
-            code,
-            WRITE | GOTO | STEP | RESET | PING | MODE | IOUPDATE | READ | SET..=LOAD | TRJINIT..=STOP
-        );
         match *data {
             _ if !known => Err(RejectCode::NotAvailable),
             [a, b, c, d] => Self::decode_four(code, [a, b, c, d]),

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     AnswerLength, Assumptions, AxisOptions, BadFrame, HomePosition, IoUpdate, Mode, RejectCode,
-    SetEffect, SmartDriveBus, SmartDriveOptions, TagLayout, TrajectoryFlags, ZeroRate,
+    SetEffect, SmartDriveBus, SmartDriveOptions, StepFrom, TagLayout, TrajectoryFlags, ZeroRate,
     emulator::{Cam, Device, DeviceOptions, EmulatedBus, HomingOptions, Input, Wire, serve},
     protocol::{frame::Answer, vectors::vector},
 };
@@ -50,8 +50,14 @@ fn device(assumptions: Assumptions) -> DeviceOptions {
 async fn the_driver_copes_with_every_alternative() {
     let usual = Assumptions::default();
     let known = alternatives().into_iter().map(|assumed| (device(assumed), assumed));
-    // A layout of which the driver does not know.
-    let unknown = DeviceOptions { layout: TagLayout::Table, ..device(usual) };
+    // Several at a time, of which the driver does not know.
+    let several = Assumptions {
+        extends_signs: false,
+        silent_while_changing: true,
+        applies_words_at_once: true,
+        ..usual
+    };
+    let unknown = DeviceOptions { layout: TagLayout::Table, ..device(several) };
     for (device, assumed) in known.chain([(unknown, usual)]) {
         let name = format!("{:?}, {assumed:?}", device.layout);
         with_spoilt(
@@ -70,10 +76,11 @@ async fn the_driver_copes_with_every_alternative() {
                 assert_eq!(rest(bus).await, 3000, "{name}");
                 bus.step(1, -100, None).await.unwrap();
                 assert_eq!(rest(bus).await, 2900, "{name}");
-                // From somewhere before the target under way.
+                // From the target under way, or from somewhere before it.
                 bus.go_to(1, 8000, None).await.unwrap();
                 bus.step(1, 100, None).await.unwrap();
-                assert!(rest(bus).await < 8100, "{name}");
+                let stepped = rest(bus).await;
+                assert_eq!(stepped == 8100, assumed.step_from == StepFrom::Target, "{name}");
                 // LED on, BRK as it is.
                 let both = IoUpdate { set: 4 | 2, clear: 2, ..IoUpdate::default() };
                 assert_eq!(bus.io(1, both).await.unwrap().levels & 7, 4, "{name}");
@@ -83,9 +90,13 @@ async fn the_driver_copes_with_every_alternative() {
                 assert!(state.flags.contains(TrajectoryFlags::IN_MOTION), "{name}");
                 bus.stop(1, 0).await.unwrap();
                 rest(bus).await;
-                // Outside the limits it does not go.
+                // Outside the limits it goes as far as the limit, or not at all.
                 let beyond = bus.go_to(1, 70_001, None).await;
-                assert_eq!(refusal(&beyond), RejectCode::BadParams, "{name}");
+                if assumed.clamps_targets {
+                    assert_eq!(rest(bus).await, 70_000, "{name}");
+                } else {
+                    assert_eq!(refusal(&beyond), RejectCode::BadParams);
+                }
                 let home = if assumed.home_position == HomePosition::IsOffset { -50 } else { 0 };
                 assert_eq!(bus.home(1).await.unwrap(), home, "{name}");
                 // Onto the limit switch and back.

@@ -38,21 +38,26 @@ impl Axis {
         self.latch(message::REFUSED, true);
     }
 
-    /// Assumed: a manual move that is repeated and a move during which an order is refused go on; abandoning keeps homing.
     fn order_in_motion(&mut self, word: u16, moves: u16) {
         let manual = self.task == Task::Manual;
-        let repeated = manual && moves == self.ack_uc;
+        let repeated = manual && moves == self.ack_uc && !self.assumptions.refuses_repeats;
         if word & uc::HARD_STOP != 0 {
             self.latch(message::REFUSED, false);
             self.stop_hard();
         } else if word & uc::ABANDON != 0 {
             self.latch(message::REFUSED, false);
             self.ack_uc = uc::ABANDON;
+            if self.assumptions.abandon_loses_homing {
+                self.latch(message::HOMED, false);
+            }
             self.brake();
         } else if repeated {
             // Repeated while it runs: it goes on.
         } else if moves != 0 {
             self.latch(message::REFUSED, true);
+            if self.assumptions.refusal_stops && !self.braking {
+                self.brake();
+            }
         } else if (manual || self.assumptions.zero_ends_every_move) && !self.braking {
             self.brake();
         }

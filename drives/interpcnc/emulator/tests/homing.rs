@@ -133,6 +133,20 @@ fn the_machine_homes_by_its_parameters() {
 }
 
 #[test]
+fn axes_may_be_assumed_to_home_one_by_one() {
+    let mut board = parametrised(Assumptions { home_one_by_one: true, ..Assumptions::default() });
+    send_for(&mut board, BOTH, 300);
+    assert_eq!(board.status().moving(), BoardAxis::X.mask());
+    // X: 0.4 s to its switch, half a second off it, with ramps.
+    board.advance(1500 * MS);
+    assert_eq!(board.status().moving(), BoardAxis::Z.mask());
+    assert!(board.status().has(Status::HOMING_IN_PROGRESS));
+    board.advance(10_000 * MS);
+    assert!(!board.status().has(Status::HOMING_IN_PROGRESS | Status::HOMING_ERROR));
+    assert_eq!(board.counters(), [0; 5]);
+}
+
+#[test]
 fn a_machine_without_switch_fails_with_b11() {
     let mut board = parametrised(Assumptions::default());
     let max_strokes = [None, Some(1000), None, None, None];

@@ -3,8 +3,8 @@
 use super::*;
 
 /// X with normally closed limit switches at −1000 (IN7) and 2000 (IN8), Y with an open one at 500 (IN9).
-fn limited() -> Board {
-    let mut board = unlocked();
+fn limited(assumptions: Assumptions) -> Board {
+    let mut board = assumed(assumptions);
     let closed =
         |input, from, to| Cam { normally_closed: true, ..switch(input, BoardAxis::X, from, to) };
     let open = switch(9, BoardAxis::Y, 500, 900);
@@ -18,7 +18,7 @@ fn limited() -> Board {
 
 #[test]
 fn an_axis_stops_at_its_switch_and_goes_away_from_it() {
-    let mut board = limited();
+    let mut board = limited(Assumptions::default());
     assert!(board.status().on_limit_switch().is_empty());
     for (target, edge) in [(5000, 2000), (-5000, -1001)] {
         send_for(&mut board, go(BoardAxis::X, target), 3000);
@@ -35,8 +35,18 @@ fn an_axis_stops_at_its_switch_and_goes_away_from_it() {
 }
 
 #[test]
+fn the_stop_may_be_assumed_to_have_a_ramp() {
+    let assumptions = Assumptions { limit_stop: BoardStop::OnRamp, ..Assumptions::default() };
+    let mut board = limited(assumptions);
+    send_for(&mut board, go(BoardAxis::X, 8000), 3000);
+    // Step 2000 begins at 1999.5. From 200 Hz with 50 kHz/s, v² = 200² + 2·50000·1999.5; from there it is
+    // (v² − 200²) / (2·40000) steps.
+    same(x(&board), (1999.5 + 2.0 * 50_000.0 * 1999.5 / 80_000.0_f64).round());
+}
+
+#[test]
 fn an_axis_that_reverses_on_its_switch_is_stopped() {
-    let mut board = limited();
+    let mut board = limited(Assumptions::default());
     send_for(&mut board, go(BoardAxis::X, 5000), 3000);
     // Away, and while still on the cam back again.
     board.set_input(8, false);
@@ -48,7 +58,7 @@ fn an_axis_that_reverses_on_its_switch_is_stopped() {
 
 #[test]
 fn an_interpolated_move_stops_as_a_whole() {
-    let mut board = limited();
+    let mut board = limited(Assumptions::default());
     let targets = [Some(1500), Some(1500), Some(1500), None, None];
     send(&mut board, Command::Interpolated { speed_hz: 5000, targets });
     send_for(&mut board, Command::Interpolated { speed_hz: 5000, targets: [Some(0); 5] }, 3000);
@@ -59,7 +69,7 @@ fn an_interpolated_move_stops_as_a_whole() {
 
 #[test]
 fn a_limit_switch_may_be_the_home_switch() {
-    let mut board = limited();
+    let mut board = limited(Assumptions::default());
     send_for(&mut board, home(BoardAxis::X, (7, 0), -5000, 0), 5000);
     assert_eq!((board.counters()[0], homing_bits(&board)), (0, 0));
     assert!((board.mechanical(BoardAxis::X) + 1000.0).abs() <= 1.0);

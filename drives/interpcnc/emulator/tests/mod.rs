@@ -11,7 +11,7 @@ mod segments;
 
 use super::*;
 use crate::{
-    Command, MoveProfile,
+    BoardStop, Command, MoveProfile,
     protocol::{
         frame::seal,
         parameters,

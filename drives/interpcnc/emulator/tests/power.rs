@@ -45,20 +45,23 @@ fn what_is_being_written_when_the_supply_fails_is_lost() {
 
 #[test]
 fn a_broken_eeprom_says_so_in_b15_and_by_exception_4() {
-    let mut board = unlocked();
-    board.set_eeprom_broken(true);
-    let code = refusal(&mut board, "01 10 11 08 00 02 04 00 00 00 4D");
-    assert_eq!(code, Some(4));
-    assert!(board.status().has(Status::EEPROM_BUSY));
-    board.advance(20 * MS);
-    assert!(board.status().has(Status::EEPROM_ERROR) && board.eeprom_generation() == 0);
-    // RAM has it, the EEPROM has not.
-    answers(&mut board, PARAMETER_4, "01 03 04 00 00 00 4D");
-    // A write that succeeds clears it.
-    board.set_eeprom_broken(false);
-    assert_eq!(refusal(&mut board, "01 10 11 08 00 02 04 00 00 00 4D"), None);
-    board.advance(20 * MS);
-    assert!(!board.status().has(Status::EEPROM_ERROR));
+    for refuses in [true, false] {
+        let assumptions = Assumptions { eeprom_refuses: refuses, ..Assumptions::default() };
+        let mut board = assumed(assumptions);
+        board.set_eeprom_broken(true);
+        let code = refusal(&mut board, "01 10 11 08 00 02 04 00 00 00 4D");
+        assert_eq!(code, refuses.then_some(4));
+        assert!(board.status().has(Status::EEPROM_BUSY));
+        board.advance(20 * MS);
+        assert!(board.status().has(Status::EEPROM_ERROR) && board.eeprom_generation() == 0);
+        // RAM has it, the EEPROM has not.
+        answers(&mut board, PARAMETER_4, "01 03 04 00 00 00 4D");
+        // A write that succeeds clears it.
+        board.set_eeprom_broken(false);
+        assert_eq!(refusal(&mut board, "01 10 11 08 00 02 04 00 00 00 4D"), None);
+        board.advance(20 * MS);
+        assert!(!board.status().has(Status::EEPROM_ERROR));
+    }
 }
 
 #[test]
@@ -185,6 +188,18 @@ fn a_status_that_is_stuck_says_what_it_said() {
 #[test]
 fn assumptions_can_be_others() {
     let usual = Assumptions::default();
+    // Absent arguments are 0: command 80 without target goes to 0.
+    let mut board = assumed(Assumptions { arguments_stay: false, ..usual });
+    board.handle(&vector(11)).unwrap();
+    board.advance(20_000 * MS);
+    assert_eq!(write(&mut board, &[80, 1, 200, 50, 0, 20_000, 40]), None);
+    board.advance(20_000 * MS);
+    assert_eq!(board.counters()[0], 0);
+    // The lock coil reads 1 when unlocked.
+    let mut board = assumed(Assumptions { lock_coil: false, ..usual });
+    assert_eq!(board.handle(&vector(26)), Some(seal(bytes("01 01 01 01"))));
+    board.handle(&seal(bytes("01 05 01 20 00 00"))).unwrap();
+    assert!(board.status().locked());
     // Broadcasts are ignored.
     let mut board = assumed(Assumptions { broadcasts: false, ..usual });
     assert_eq!(board.handle(&seal(bytes("00 05 01 00 FF 00"))), None);
@@ -197,6 +212,12 @@ fn assumptions_can_be_others() {
     assert_eq!(refusal(&mut board, "01 06 10 35 00 01"), Some(6));
     assert_eq!(refusal(&mut board, "01 05 01 40 FF 00"), None);
     assert_eq!(board.handle(&vector(1)), Some(vector(2)));
+    // ENABLE is lost with a ramp.
+    let mut board = assumed(Assumptions { enable_loss: BoardStop::OnRamp, ..usual });
+    send_for(&mut board, go(BoardAxis::X, 100_000), 1000);
+    board.set_enable(false);
+    board.advance(101 * MS);
+    assert!(board.status().locked() && !board.status().moving().is_empty());
     // Segments that wait are kept over the loss of ENABLE.
     for (keeps, end) in [(false, 0), (true, 7000)] {
         let mut board = assumed(Assumptions { enable_loss_keeps_segments: keeps, ..usual });
@@ -215,16 +236,33 @@ fn assumptions_can_be_others() {
         board.advance(10_000 * MS);
         assert_eq!(board.counters()[0], if keeps { end } else { stands });
     }
-    // A code of one's own, for a full buffer.
-    let mut board = assumed(Assumptions { exceptions_failure: 13, ..usual });
-    for target in 1..=65 {
-        send(&mut board, segment_of_x(5000, 1000 * target));
-    }
-    assert_eq!(write(&mut board, &segment_of_x(5000, 0).registers()), Some(13));
+    // Codes of one's own.
+    let mut board = assumed(Assumptions {
+        exceptions_address: 11,
+        exceptions_value: 12,
+        exceptions_failure: 13,
+        buffer_segments: 0,
+        ..usual
+    });
+    assert_eq!(refusal(&mut board, "01 06 19 ED 00 01"), Some(11));
+    assert_eq!(write(&mut board, &[5]), Some(12));
+    assert_eq!(write(&mut board, &[6, 1, 0, 5000, 0, 9]), Some(13));
     // Shorter frames.
     let mut board = assumed(Assumptions { most_read: 10, most_written: 8, ..usual });
     assert_eq!(refusal(&mut board, "01 04 04 00 00 0B"), Some(3));
     assert_eq!(refusal(&mut board, "01 03 10 36 00 0B"), Some(3));
     assert_eq!(refusal(&mut board, "01 03 10 36 00 0A"), None);
     assert_eq!(write(&mut board, &[42, 0, 0, 0, 0, 0, 0, 0, 0]), Some(3));
+    // Firmware before 5.31: no axis moves at the instant of reversal.
+    let mut board = assumed(Assumptions { reversal_gap_ns: MS, ..usual });
+    board.handle(&vector(11)).unwrap();
+    board.advance(1000 * MS);
+    board.handle(&vector(12)).unwrap();
+    // 20000 to 200 Hz with 40 kHz/s.
+    board.advance(494 * MS);
+    assert!(!board.status().independent().is_empty());
+    board.advance(MS + MS / 2);
+    assert!(board.status().independent().is_empty());
+    board.advance(MS);
+    assert!(!board.status().independent().is_empty());
 }

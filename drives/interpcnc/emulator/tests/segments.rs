@@ -54,18 +54,21 @@ fn parameters_4_and_5_are_its_ramp() {
 
 #[test]
 fn the_buffer_holds_64_segments_and_refuses_the_next_with_exception_4() {
-    let mut board = unlocked();
-    // One is carried out, the others wait.
-    for target in 1..=65 {
-        assert_eq!(refused(&mut board, &segment_of_x(5000, 1000 * target)), None);
+    let usual = Assumptions::default();
+    for (assumptions, size) in [(usual, 64), (Assumptions { buffer_segments: 1, ..usual }, 1)] {
+        let mut board = assumed(assumptions);
+        // One is carried out, the others wait.
+        for target in 1..=size + 1 {
+            assert_eq!(refused(&mut board, &segment_of_x(5000, 1000 * target)), None);
+        }
+        assert_eq!(refused(&mut board, &segment_of_x(5000, 0)), Some(4), "{size}");
+        board.advance(400 * MS);
+        let last = 1000 * (size + 2);
+        assert_eq!(refused(&mut board, &segment_of_x(5000, last)), None);
+        assert_eq!(refused(&mut board, &segment_of_x(5000, 0)), Some(4), "{size}");
+        board.advance(60_000 * MS);
+        assert_eq!(board.counters()[0], last);
     }
-    assert_eq!(refused(&mut board, &segment_of_x(5000, 0)), Some(4));
-    board.advance(400 * MS);
-    let last = 1000 * 66;
-    assert_eq!(refused(&mut board, &segment_of_x(5000, last)), None);
-    assert_eq!(refused(&mut board, &segment_of_x(5000, 0)), Some(4));
-    board.advance(60_000 * MS);
-    assert_eq!(board.counters()[0], last);
 }
 
 #[test]

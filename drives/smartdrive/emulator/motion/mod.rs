@@ -5,14 +5,17 @@
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB", sections START to GOTO, "Paramètres de configuration" (ceilings).
 //! Where the manual is silent it goes by [`Assumptions`]. Beyond those: larger speeds and rates than the ceilings are
-//! clamped to them; position limits count where the lower is below the upper, START then rests on the limit, and a target
-//! outside is refused (BADPARAMS), as is a STEP to where no counter of 32 bits goes; STEP counts from the set-point; a
-//! limit switch brakes with `DecLim`, and a move towards an active one stops where it is.
+//! clamped to them unless the device refuses them first; position limits count where the lower is below the upper, and
+//! START then rests on the limit; a STEP to where no counter of 32 bits goes is refused (BADPARAMS), or ends at the last
+//! position there is, as with position limits; a move towards an active limit switch stops where it is.
 
 #[cfg(test)]
 mod tests;
 
-use crate::{Assumptions, RejectCode, TrajectoryFlags, ZeroRate, protocol::units::StepsPerTurn};
+use crate::{
+    Assumptions, LimitStop, RejectCode, StepFrom, TrajectoryFlags, ZeroRate,
+    protocol::units::StepsPerTurn,
+};
 use twin_drives::ramp::{Motion, Ramp, State};
 
 /// A rate that brings any speed to rest within less than a µs, µsteps/s².
@@ -52,13 +55,22 @@ impl Ceilings {
 
     /// With what a motion brakes on a limit switch, µsteps/s².
     fn limit_rate(&self) -> f64 {
-        self.rate(0, self.emergency)
+        match self.assumptions.limit_stop {
+            LimitStop::Emergency => self.rate(0, self.emergency),
+            LimitStop::Deceleration => self.rate(0, self.deceleration),
+            LimitStop::AtOnce => WITHOUT_RAMP,
+        }
     }
 
     /// A speed, 0 for the largest, as µsteps/s.
     fn speed(&self, asked: u16) -> f64 {
         let speed = if asked == 0 { self.velocity } else { asked.min(self.velocity) };
         self.turn.steps(f64::from(speed.max(1)))
+    }
+
+    /// Whether a speed and a rate are no more than their ceilings; the rate counts for both ramps.
+    pub(crate) fn allow(&self, speed: u16, rate: u16) -> bool {
+        speed <= self.velocity && rate <= self.acceleration
     }
 
     /// What a GOTO makes of its numbers.
@@ -127,18 +139,21 @@ impl Generator {
         speed: u16,
         rate: u16,
     ) -> Result<(), RejectCode> {
-        let ramp = ceilings.ramp(target, speed, rate);
-        if ceilings.limits().is_some_and(|(low, high)| !(low..=high).contains(&ramp.target)) {
-            return Err(RejectCode::BadParams);
+        let mut ramp = ceilings.ramp(target, speed, rate);
+        if let Some((low, high)) = ceilings.limits() {
+            if !(low..=high).contains(&ramp.target) && !ceilings.assumptions.clamps_targets {
+                return Err(RejectCode::BadParams);
+            }
+            ramp.target = ramp.target.clamp(low, high);
         }
         self.begin(now_ns, ceilings, Motion::plan(now_ns, self.state(now_ns), &ramp), Goal::End);
-        self.target = (self.goal == Goal::End).then_some(target);
+        self.target = (self.goal == Goal::End).then_some(saturated(ramp.target));
         self.rates = (ramp.acceleration, ramp.deceleration);
         Ok(())
     }
 
-    /// STEP: as GOTO, `distance` from where the set-point is. One that no position of 32 bits would end is a target beyond
-    /// a limit.
+    /// STEP: as GOTO, `distance` from where the set-point is or is going. One that no position of 32 bits would end is a target
+    /// beyond a limit.
     pub(crate) fn step(
         &mut self,
         now_ns: i64,
@@ -147,7 +162,16 @@ impl Generator {
         speed: u16,
         rate: u16,
     ) -> Result<(), RejectCode> {
-        let target = self.counter(now_ns).checked_add(distance).ok_or(RejectCode::BadParams)?;
+        let from = match ceilings.assumptions.step_from {
+            StepFrom::Setpoint => None,
+            StepFrom::Target => self.target,
+        };
+        let from = from.unwrap_or_else(|| self.counter(now_ns));
+        let target = match from.checked_add(distance) {
+            Some(target) => target,
+            None if ceilings.assumptions.clamps_targets => from.saturating_add(distance),
+            None => return Err(RejectCode::BadParams),
+        };
         self.go_to(now_ns, ceilings, target, speed, rate)
     }
 
@@ -318,4 +342,10 @@ impl Generator {
         }
         flags
     }
+}
+
+/// A target as GOTO has it.
+#[expect(clippy::cast_possible_truncation, reason = "a float cast saturates")]
+fn saturated(target: f64) -> i32 {
+    target as i32
 }

@@ -183,12 +183,19 @@ fn the_counter_overflows_as_32_bits_do() {
 
 /// "STEP: as GOTO": the target is a position of 32 bits. Never the other way.
 #[test]
-fn a_step_beyond_32_bits_is_refused() {
-    let ceilings = ceilings((0, 0));
-    for (at, distance) in [(2_147_480_000, 5000), (-2_147_480_000, -5000)] {
+fn a_step_beyond_32_bits_is_refused_or_ends_at_the_last_position() {
+    let refuses = ceilings((0, 0));
+    let clamps = Ceilings {
+        assumptions: Assumptions { clamps_targets: true, ..refuses.assumptions },
+        ..refuses
+    };
+    for (at, distance, last) in [(2_147_480_000, 5000, i32::MAX), (-2_147_480_000, -5000, i32::MIN)]
+    {
         let mut generator = Generator::at_rest(f64::from(at));
-        let refused = generator.step(0, &ceilings, distance, 0, 0);
+        let refused = generator.step(0, &refuses, distance, 0, 0);
         assert_eq!((refused, generator.target()), (Err(RejectCode::BadParams), None));
         assert!(!generator.is_under_way(MS), "it stands");
+        assert_eq!(generator.step(0, &clamps, distance, 0, 0), Ok(()));
+        assert_eq!(generator.counter(nanoseconds(100.0)), last);
     }
 }

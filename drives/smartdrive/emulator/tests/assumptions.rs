@@ -1,7 +1,10 @@
-//! Tests of the assumptions about what the manual leaves open: alternatives differ from the default.
+//! Tests of the assumptions about what the manual leaves open: every alternative differs from the default.
 
 use super::*;
-use crate::{AnswerLength, BadFrame, SetEffect, ZeroRate};
+use crate::{
+    AccCurrent, AnswerLength, BadFrame, BothBits, IoUpdate, LimitStop, SetEffect, StepFrom,
+    ZeroRate,
+};
 
 /// Waits until it is at rest after a command.
 #[track_caller]
@@ -63,32 +66,87 @@ fn answers_may_have_as_many_data_as_commands() {
 
 /// PING with eight bytes of data, and codes that do not exist: those are that, whatever their length.
 #[test]
-fn codes_and_lengths_are_refused() {
-    use RejectCode::{BadParams, NotAvailable};
-    let mut device = remote();
-    for (code, expected) in [(0x25, NotAvailable), (0x3F, NotAvailable), (0x41, BadParams)] {
-        let mut frame = vec![1, code];
-        frame.extend(vec![0; 4 << (code >> 6)]);
-        let answer = decode(device.handle(&frame::seal(frame)).unwrap());
-        let shown = (answer.status.rejected(), RejectCode::from_number(answer.tag));
-        assert_eq!(shown, (true, Some(expected)), "{code:x}");
+fn codes_and_lengths_may_be_refused_otherwise() {
+    use RejectCode::{BadParams, Generic, NotAvailable};
+    let usual = Assumptions::default();
+    assert_eq!((usual.unknown_code, usual.wrong_length), (NotAvailable, BadParams));
+    for (unknown_code, wrong_length) in [
+        (NotAvailable, BadParams),
+        (NotAvailable, NotAvailable),
+        (NotAvailable, Generic),
+        (Generic, NotAvailable),
+    ] {
+        let mut device = assuming(|assumed| {
+            (assumed.unknown_code, assumed.wrong_length) = (unknown_code, wrong_length);
+        });
+        for (code, expected) in [(0x25, unknown_code), (0x3F, unknown_code), (0x41, wrong_length)] {
+            let mut frame = vec![1, code];
+            frame.extend(vec![0; 4 << (code >> 6)]);
+            let answer = decode(device.handle(&frame::seal(frame)).unwrap());
+            let shown = (answer.status.rejected(), RejectCode::from_number(answer.tag));
+            assert_eq!(shown, (true, Some(expected)), "{code:x}");
+        }
+        // A variable that does not exist is not an unknown code.
+        let missing = Command::Get { parameter: 1 };
+        assert_eq!(refusal(&mut device, missing), Some(NotAvailable));
     }
 }
 
 #[test]
-fn steps_count_from_the_setpoint() {
+fn a_bit_in_both_bytes_of_ioupdate_sets_or_clears() {
+    let update = |set, clear| Command::IoUpdate(IoUpdate { clear, set, ..IoUpdate::default() });
+    for (both_bits, expected) in
+        [(BothBits::Unchanged, [0, 4]), (BothBits::Set, [4, 4]), (BothBits::Clear, [0, 0])]
+    {
+        for (before, after) in [(0, expected[0]), (4, expected[1])] {
+            let mut device = assuming(|assumed| assumed.both_bits = both_bits);
+            ask(&mut device, update(before, 0));
+            ask(&mut device, update(4 | 2, 4));
+            assert_eq!(device.outputs(), after | 2, "{both_bits:?} from {before}");
+        }
+    }
+}
+
+#[test]
+fn steps_add_up_from_the_target() {
     let step = |distance| Command::Step { distance, profile: None };
-    let mut device = remote();
-    ask_and_wait(&mut device, go_to(10_000, 300, 0), 300);
-    let expected = device.counter() + 100;
-    ask_and_rest(&mut device, step(100));
-    assert_eq!(device.counter(), expected);
-    // At rest, and two in a row.
-    ask_and_rest(&mut device, step(-100));
-    assert_eq!(device.counter(), expected - 100);
-    ask(&mut device, step(1000));
-    ask_and_rest(&mut device, step(1000));
-    assert_eq!(device.counter(), expected + 900);
+    for (step_from, under_way) in [(StepFrom::Setpoint, None), (StepFrom::Target, Some(10_100))] {
+        let mut device = assuming(|assumed| assumed.step_from = step_from);
+        ask_and_wait(&mut device, go_to(10_000, 300, 0), 300);
+        let expected = under_way.unwrap_or(device.counter() + 100);
+        ask_and_rest(&mut device, step(100));
+        assert_eq!(device.counter(), expected, "{step_from:?}");
+        // At rest there is no difference, nor after a STOP.
+        ask_and_rest(&mut device, step(-100));
+        assert_eq!(device.counter(), expected - 100);
+        ask_and_wait(&mut device, go_to(100_000, 0, 0), 300);
+        ask(&mut device, Command::Stop { rate: 0 });
+        let here = device.counter();
+        ask_and_rest(&mut device, step(7));
+        assert_eq!(device.counter(), here + 7, "{step_from:?}");
+        // Two in a row.
+        let twice = if step_from == StepFrom::Target { 2000 } else { 1000 };
+        ask(&mut device, step(1000));
+        ask_and_rest(&mut device, step(1000));
+        assert_eq!(device.counter(), here + 7 + twice);
+    }
+}
+
+#[test]
+fn a_limit_switch_stops_by_another_rate() {
+    // 300 rpm are 16000 µsteps/s: 30 ms at 10000 rpm/s, 300 ms at 1000 rpm/s, or none.
+    for (limit_stop, way) in
+        [(LimitStop::Emergency, 240.0), (LimitStop::Deceleration, 2400.0), (LimitStop::AtOnce, 0.0)]
+    {
+        let mut device = assuming(|assumed| assumed.limit_stop = limit_stop);
+        set(&mut device, 32, 1000);
+        ask_and_wait(&mut device, go_to(1_000_000, 300, 0), 1000);
+        let before = device.motion().0;
+        switch(&mut device, Input::LimP, true, 310);
+        near(device.motion().0 - before, way, 0.5);
+        let limited = TrajectoryFlags::LIMITED_P.union(TrajectoryFlags::LIMITED);
+        assert_eq!(flags(&mut device), limited);
+    }
 }
 
 #[test]
@@ -152,4 +210,70 @@ fn set_may_begin_the_mode_anew() {
     assert_eq!(answer.status.mode(), 3);
     let answer = ask(&mut device, Command::Set { parameter: 29, value: 0 });
     assert_eq!(answer.status.mode(), 31);
+}
+
+#[test]
+fn the_present_acceleration_may_be_variable_85() {
+    for acc_current in [AccCurrent::At86, AccCurrent::At85] {
+        let mut device = assuming(|assumed| assumed.acc_current = acc_current);
+        set(&mut device, 32, 1000);
+        ask(&mut device, go_to(1_000_000, 0, 0));
+        // Up to 500 rpm at 2000 rpm/s for 250 ms, and steady then.
+        device.advance(100 * MS);
+        assert_eq!((read(&mut device, 84), read(&mut device, acc_current.index())), (2000, 2000));
+        device.advance(500 * MS);
+        assert_eq!(read(&mut device, acc_current.index()), 0);
+        let next = Command::Read { variable: 86 };
+        match acc_current {
+            AccCurrent::At86 => assert_eq!(read(&mut device, 85), 1000),
+            AccCurrent::At85 => {
+                assert_eq!(refusal(&mut device, next), Some(RejectCode::NotAvailable));
+            }
+        }
+    }
+}
+
+#[test]
+fn what_the_manual_does_not_say_can_be_otherwise() {
+    // Requests beyond the ceilings, 500 rpm and 2000 rpm/s.
+    for refuses in [true, false] {
+        let mut device = assuming(|assumed| assumed.refuses_beyond_ceilings = refuses);
+        let expected = refuses.then_some(RejectCode::BadParams);
+        let beyond = [
+            go_to(0, 501, 0),
+            go_to(0, 0, 2001),
+            Command::Step { distance: 1, profile: Some((501, 1)) },
+            Command::Start { speed: -501, rate: 0 },
+            Command::Stop { rate: 2001 },
+        ];
+        for command in beyond {
+            assert_eq!(refusal(&mut device, command), expected, "{command:?}");
+        }
+        assert_eq!(refusal(&mut device, go_to(0, 500, 2000)), None);
+    }
+    // Targets outside the limits.
+    let mut device = assuming(|assumed| assumed.clamps_targets = true);
+    set(&mut device, 26, -100);
+    set(&mut device, 28, 200);
+    for (target, end) in [(201, 200), (-5000, -100), (7, 7)] {
+        ask_and_wait(&mut device, go_to(target, 0, 0), 2000);
+        assert_eq!((device.counter(), flags(&mut device)), (end, TrajectoryFlags::DONE));
+    }
+    // Signs of 16-bit variables.
+    let mut device = assuming(|assumed| assumed.extends_signs = false);
+    ask_and_wait(&mut device, Command::Start { speed: -300, rate: 0 }, 1000);
+    assert_eq!(read(&mut device, 79), 0xFED4);
+    assert!(read(&mut device, 75) < 0);
+    // Words of 32 bits.
+    let mut device = assuming(|assumed| assumed.applies_words_at_once = true);
+    set(&mut device, 28, 0x0001_FFFF);
+    ask(&mut device, Command::Set { parameter: 28, value: 5 });
+    assert_eq!(refusal(&mut device, go_to(0x0001_0006, 0, 0)), Some(RejectCode::BadParams));
+    assert_eq!(refusal(&mut device, go_to(0x0001_0005, 0, 0)), None);
+    // Silence while the mode changes.
+    let mut device = assuming(|assumed| assumed.silent_while_changing = true);
+    ask(&mut device, Command::Mode(Some(Mode::Off)));
+    assert_eq!(device.handle(&encode(1, &Command::Ping)), None);
+    device.advance(250 * MS);
+    ask(&mut device, Command::Ping);
 }

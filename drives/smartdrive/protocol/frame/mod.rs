@@ -62,6 +62,12 @@ pub fn decode(frame: &[u8]) -> Option<(u8, Result<Command, RejectCode>)> {
     (right && *address < FIRST_BITS).then(|| (*address, Command::decode(*code, data)))
 }
 
+/// Whether a command has data of a length that does not belong to its code.
+pub(crate) fn has_wrong_length(frame: &[u8]) -> bool {
+    let [_, code, data @ .., _] = frame else { return false };
+    Command::lengths(*code).is_some_and(|lengths| !lengths.contains(&data.len()))
+}
+
 /// An answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Answer {

@@ -113,6 +113,7 @@ fn targets_beyond_the_range_are_refused() {
 #[test]
 fn what_the_manual_does_not_say_can_be_otherwise() {
     use crate::{Assumptions, Contact};
+    use message::{HOMED, REFUSED};
     let started = |assumptions| {
         let cam = Some(Contact::between(-900, -400, true));
         let bench = Bench { cam, ..Bench::default() };
@@ -124,10 +125,17 @@ fn what_the_manual_does_not_say_can_be_otherwise() {
         axis
     };
     // After 0.1 s it has gone 200 µsteps and has 3000 µsteps/s, which take 200 more to stop from.
-    let mut axis = started(Assumptions { zero_ends_every_move: true, ..Assumptions::default() });
-    axis.order(&simple(0));
-    finish(&mut axis);
-    assert_eq!((axis.counter(), axis.messages()), (400, message::HOMED));
+    let usual = Assumptions::default();
+    for (assumptions, order, messages) in [
+        (Assumptions { refusal_stops: true, ..usual }, programmed(0, 0, 0), HOMED | REFUSED),
+        (Assumptions { zero_ends_every_move: true, ..usual }, simple(0), HOMED),
+        (Assumptions { abandon_loses_homing: true, ..usual }, simple(uc::ABANDON), 0),
+    ] {
+        let mut axis = started(assumptions);
+        axis.order(&order);
+        finish(&mut axis);
+        assert_eq!((axis.counter(), axis.messages()), (400, messages), "{assumptions:?}");
+    }
     let mut axis = started(Assumptions { homing_keeps_position: true, ..Assumptions::default() });
     finish(&mut axis);
     axis.order(&simple(uc::HOME));
@@ -136,15 +144,18 @@ fn what_the_manual_does_not_say_can_be_otherwise() {
 }
 
 #[test]
-fn a_manual_move_that_is_repeated_goes_on() {
-    let mut axis = usual();
-    axis.order(&simple(uc::MANUAL_PLUS));
-    axis.advance(100 * MS);
-    axis.order(&simple(uc::MANUAL_PLUS));
-    assert_eq!(axis.messages() & message::REFUSED, 0);
-    axis.advance(200 * MS);
-    // 1000 µsteps/s all the time.
-    assert_eq!((axis.moving(), axis.counter()), (true, 200));
+fn a_manual_move_that_is_repeated_may_be_refused_and_goes_on() {
+    for refuses_repeats in [false, true] {
+        let mut axis = usual();
+        axis.set_assumptions(crate::Assumptions { refuses_repeats, ..Default::default() });
+        axis.order(&simple(uc::MANUAL_PLUS));
+        axis.advance(100 * MS);
+        axis.order(&simple(uc::MANUAL_PLUS));
+        assert_eq!(axis.messages() & message::REFUSED != 0, refuses_repeats);
+        axis.advance(200 * MS);
+        // 1000 µsteps/s all the time.
+        assert_eq!((axis.moving(), axis.counter()), (true, 200));
+    }
 }
 
 #[test]
