@@ -649,13 +649,6 @@ fn rapids_are_as_fast_as_the_axes() {
     desk.write("turned.ngc", "G0 A90\nG1 A10 F100\nG0 X100\nM2\n");
     let turned = desk.twin("check turned.ngc -m free.toml --limits programmed");
     turned.ended(1, "no axis of the machine has the role \"P\"");
-    // F is no remedy for the corner of 1° between two rapids.
-    desk.write("corner.ngc", "G0 X100\nG0 X200 Y1.7455\nM2\n");
-    let corner = desk.twin("check corner.ngc -m free.toml --limits programmed");
-    corner
-        .ended(1, "the path turns by 1° without a stop")
-        .ended(1, "lower `rapid_velocity_mm_per_s`");
-    assert!(!corner.stderr.contains("or less this axis"), "{}", corner.stderr);
 }
 
 /// What moves the axes, what the tool holds, and what the wires carry: three commands of 8.53 ms and a sample of 8.7 ms.

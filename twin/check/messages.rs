@@ -97,14 +97,15 @@ pub(super) fn turns_at_once(mut finding: Finding) -> Finding {
     finding
 }
 
-/// A step of a velocity where the path turns by `angle`, rad.
-pub(super) fn at_corner(mut finding: Finding, angle: f64) -> Finding {
+/// A step of a velocity where the path turns by `angle`, rad; small enough with a velocity up to `feed`, m/s.
+pub(super) fn at_corner(mut finding: Finding, angle: f64, feed: f64) -> Finding {
     let angle = twin_number::significant(angle.to_degrees(), 3);
     finding.message = format!("{}: the path turns by {angle}° without a stop", finding.message);
+    finding.largest_feed_mm_per_s = Some(feed * 1e3);
     finding
 }
 
-/// A step of a velocity where the path stops, starts or turns round; none with a velocity up to `feed`, m/s.
+/// A step of a velocity where the path stops, starts or turns round; small enough with a velocity up to `feed`, m/s.
 pub(super) fn at_once(mut finding: Finding, feed: f64) -> Finding {
     finding.message = format!("{}: the velocity of the path steps here", finding.message);
     finding.largest_feed_mm_per_s = Some(feed * 1e3);

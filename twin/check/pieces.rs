@@ -237,7 +237,7 @@ impl<'m> PieceCheck<'m> {
             }
             if !lost {
                 let ends = (self.last.as_ref(), Some(&examined));
-                self.step(ends, (index, rapids), peak, &mut open.wrong, &mut report);
+                self.step(ends, index, peak, &mut open.wrong, &mut report);
             }
         }
         let [_, end] = examined.extremes.ends;
@@ -313,7 +313,7 @@ impl<'m> PieceCheck<'m> {
         for (index, peak) in peaks.iter_mut().enumerate() {
             if !self.sampled.get(index).copied().unwrap_or_default() {
                 let mut report = |finding| findings.add(Some(About::Axis(index)), finding);
-                self.step((Some(&last), None), (index, None), peak, &mut wrong, &mut report);
+                self.step((Some(&last), None), index, peak, &mut wrong, &mut report);
             }
         }
         if let Some(open) = &mut self.open {
@@ -462,7 +462,7 @@ impl<'m> PieceCheck<'m> {
     fn step(
         &self,
         (last, next): (Option<&Last>, Option<&Examined<'_>>),
-        (index, rapids): (usize, Option<f64>),
+        index: usize,
         peak: &mut AxisPeak,
         wrong: &mut Vec<Wrong>,
         report: &mut dyn FnMut(Finding),
@@ -491,16 +491,9 @@ impl<'m> PieceCheck<'m> {
                 let (joined, angle) = self.joined(index, &direction);
                 let value = if value > SAME_PLACE { value.max(joined) } else { value };
                 if exceeds(value, limit) {
-                    let mut feed = Some(planned.piece.at(0.0).0.velocity * limit / value);
+                    let feed = planned.piece.at(0.0).0.velocity * limit / value;
                     let finding = messages::step(axis, place(true), value, limit);
-                    let mut finding = messages::at_corner(finding, angle);
-                    if planned.element.rapid()
-                        && let Some(velocity) = rapids
-                    {
-                        (finding.hint, feed) = (Some(messages::rapid_hint(velocity)), None);
-                    }
-                    finding.largest_feed_mm_per_s = feed.map(|feed| feed * 1e3);
-                    report(finding);
+                    report(messages::at_corner(finding, angle, feed));
                 }
             }
             _ if exceeds(value, limit) => {
