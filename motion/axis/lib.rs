@@ -63,10 +63,7 @@ pub use diagnose::{Largest, TrackingError, tracking_error};
 pub use direction::Direction;
 pub use drive::{Capture, Command, Feedback, Homing, VirtualDrive};
 pub use error::{Language, SmcError};
-pub use gear::{
-    CamIn, CamRun, CamSwitch, Decouple, DigitalCamSwitch, GearIn, GearInPos, GearInPosRun, Phasing,
-    SwitchDirection, SwitchOutputs, TappetMode, Track,
-};
+pub use gear::{CamIn, CamRun, Decouple, GearIn, GearInPos, GearInPosRun, Phasing};
 pub use latch::Outputs;
 pub use master::Master;
 pub use math::{atan2, fmod};

@@ -4,7 +4,7 @@ use super::passage::Trigger;
 use super::tappet::Action;
 
 /// Pulses of one group that may wait at a time: those that come beyond are dropped.
-pub const MAX_PULSES: usize = 256;
+const MAX_PULSES: usize = 256;
 
 /// A bit that tappets switch.
 ///

@@ -44,7 +44,7 @@ mod jerk_limited_ramp_in;
 mod joints;
 mod knot;
 mod maximum_master_velocity;
-pub mod passage;
+mod passage;
 mod polynomial;
 mod ramp_in;
 mod reference;
@@ -59,7 +59,7 @@ pub mod tune;
 mod unwrap;
 mod value;
 
-pub use bit::{MAX_PULSES, TappetBit};
+pub use bit::TappetBit;
 pub use bounds::{Bounds, Factors, MasterMotion, Peak, Quantity, SlaveLimits};
 pub use coupling::{
     CamCoupling, Coupled, CouplingError, MAX_TRIGGERS, TappetData, slave_set_position,
@@ -77,5 +77,4 @@ pub use selection::{CamInput, CamTable, StartMode};
 pub use source::{Compile, Element, Kind, Scale, Source};
 pub use table::{Equidistant, Interpolation, PairTable, TableScale, VariableType};
 pub use tappet::{Action, Passage, Tappet};
-pub use unwrap::Unwrap;
 pub use value::TappetValue;

@@ -28,15 +28,15 @@ pub struct Trigger {
 
 /// A cycle, as far as tappets see it: where the master came from and went to, on the scale of the cam but not wrapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Move {
+pub(super) struct Move {
     /// Position of the master at its beginning.
-    pub from: f64,
+    pub(super) from: f64,
     /// Position of the master at its end.
-    pub to: f64,
+    pub(super) to: f64,
     /// Time of its beginning, ns.
-    pub from_ns: i64,
+    pub(super) from_ns: i64,
     /// Time of its end, ns.
-    pub to_ns: i64,
+    pub(super) to_ns: i64,
 }
 
 /// Of a master that makes more passes than this in one cycle, the last ones count.
@@ -44,7 +44,7 @@ const MOST_PASSES: f64 = 16.0;
 
 /// Watches all tappets of a cam.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Watch {
+pub(super) struct Watch {
     /// The tappets and, of each that has acted, the place the master has not yet left.
     tappets: Vec<(Tappet, Option<f64>)>,
     hysteresis: f64,
@@ -71,21 +71,16 @@ impl Stands {
 }
 
 impl Watch {
-    /// Watches over tappets with this hysteresis, on a scale that repeats after `width`.
-    pub fn new(tappets: &[Tappet], hysteresis: f64, width: Option<f64>) -> Self {
-        let tappets = tappets.iter().map(|tappet| (*tappet, None)).collect();
-        Self { tappets, hysteresis: hysteresis.abs(), width, seam: None, found: Vec::new() }
-    }
-
-    /// Watches those of a cam, periodic or not.
-    pub fn of(cam: &Cam, hysteresis: f64, repeated: bool) -> Self {
+    /// Watches those of a cam, periodic or not, with this hysteresis.
+    pub(super) fn of(cam: &Cam, hysteresis: f64, repeated: bool) -> Self {
+        let tappets = cam.tappets().iter().map(|tappet| (*tappet, None)).collect();
         let [start, end] = [cam.curve().start(), cam.curve().end()];
-        let seam = repeated.then_some([start, end]);
-        Self { seam, ..Self::new(cam.tappets(), hysteresis, repeated.then_some(end - start)) }
+        let (width, seam) = (repeated.then_some(end - start), repeated.then_some([start, end]));
+        Self { tappets, hysteresis: hysteresis.abs(), width, seam, found: Vec::new() }
     }
 
     /// Tappets that act in this cycle, in order.
-    pub fn passed(&mut self, step: &Move) -> impl Iterator<Item = Trigger> + '_ {
+    pub(super) fn passed(&mut self, step: &Move) -> impl Iterator<Item = Trigger> + '_ {
         let mut step = *step;
         if let Some(width) = self.width {
             let most = MOST_PASSES * width;
@@ -148,24 +143,14 @@ impl Move {
 /// It turns where it has gone back by more than a slack from the farthest point of the way before: less is the jitter of
 /// an axis that is held there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heading {
+struct Heading {
     forwards: bool,
     farthest: f64,
 }
 
 impl Heading {
-    /// A master at x that travels forwards or backwards.
-    pub fn new(x: f64, forwards: bool) -> Self {
-        Self { forwards, farthest: x }
-    }
-
-    /// True while the master travels forwards.
-    pub fn is_forwards(&self) -> bool {
-        self.forwards
-    }
-
     /// The master is at x with v u/s; where it has turned, if it has.
-    pub fn follow(&mut self, x: f64, v: f64, slack: f64) -> Option<f64> {
+    fn follow(&mut self, x: f64, v: f64, slack: f64) -> Option<f64> {
         let back = if self.forwards { self.farthest - x } else { x - self.farthest };
         let goes_back = if self.forwards { v < 0.0 } else { v > 0.0 };
         // One at rest that is to go on has its direction by its velocity.
@@ -188,7 +173,7 @@ impl Heading {
 /// again from where it has turned: beyond that it has not been. Without a dead time there is nothing to take back, and it
 /// is where the master is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LookAhead {
+pub(super) struct LookAhead {
     heading: Heading,
     /// Where has been looked for tappets last.
     looked: f64,
@@ -196,35 +181,31 @@ pub struct LookAhead {
 
 /// Dead time of the look-ahead, and the hysteresis of a reversal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lead {
+pub(super) struct Lead {
     /// Dead time of the output, s.
-    pub dead_time_s: f64,
+    pub(super) dead_time_s: f64,
     /// In the unit of the place.
-    pub hysteresis: f64,
+    pub(super) hysteresis: f64,
 }
 
 impl LookAhead {
     /// The master is at x of the cam with v u/s, and is looked for `dead_time_s` ahead.
-    pub fn new(x: f64, v: f64, dead_time_s: f64) -> Self {
-        Self::along(Heading::new(x, v >= 0.0), v, dead_time_s)
-    }
-
-    /// The same, of a master that has come to its farthest point.
-    pub fn along(heading: Heading, v: f64, dead_time_s: f64) -> Self {
-        Self { heading, looked: heading.farthest + v * dead_time_s }
+    pub(super) fn new(x: f64, v: f64, dead_time_s: f64) -> Self {
+        let heading = Heading { forwards: v >= 0.0, farthest: x };
+        Self { heading, looked: x + v * dead_time_s }
     }
 
     /// Last look-ahead position.
-    pub fn looked(&self) -> f64 {
+    pub(super) fn looked(&self) -> f64 {
         self.looked
     }
 
     /// The same a cycle later; from where to where tappets are looked for in it.
-    pub fn follow(&mut self, x: f64, v: f64, by: Lead) -> [f64; 2] {
+    pub(super) fn follow(&mut self, x: f64, v: f64, by: Lead) -> [f64; 2] {
         let slack = if by.dead_time_s == 0.0 { 0.0 } else { by.hysteresis.abs() };
         let mut from = self.looked;
         let turned = self.heading.follow(x, v, slack);
-        let forwards = self.heading.is_forwards();
+        let forwards = self.heading.forwards;
         if let Some(farthest) = turned {
             from = if forwards { from.max(farthest) } else { from.min(farthest) };
         }
@@ -240,7 +221,7 @@ impl Tappet {
         clippy::float_cmp,
         reason = "a place that is reached to the last digit, as in every cycle"
     )]
-    pub fn is_at(&self, x: f64, seam: Option<[f64; 2]>) -> bool {
+    pub(super) fn is_at(&self, x: f64, seam: Option<[f64; 2]>) -> bool {
         let width = seam.map(|[start, end]| end - start);
         let (master, _) = self.first_place(seam);
         let pass = width.map_or(0.0, |width| ((x - master) / width).round());

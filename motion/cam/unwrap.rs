@@ -2,7 +2,7 @@
 
 /// Follows the positions of an axis over the ends of its period.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unwrap {
+pub(super) struct Unwrap {
     period: Option<f64>,
     last: f64,
     whole: f64,
@@ -10,13 +10,13 @@ pub struct Unwrap {
 
 impl Unwrap {
     /// Begins at `position`. Without a period, or with one that is none, positions stay what they are.
-    pub fn new(period: Option<f64>, position: f64) -> Self {
+    pub(super) fn new(period: Option<f64>, position: f64) -> Self {
         let period = period.filter(|period| period.is_finite() && *period > 0.0);
         Self { period, last: position, whole: position }
     }
 
     /// The next position: the nearest one to the last of all that are whole periods apart.
-    pub fn follow(&mut self, position: f64) -> f64 {
+    pub(super) fn follow(&mut self, position: f64) -> f64 {
         let by = position - self.last;
         self.last = position;
         match self.period {

@@ -1,10 +1,9 @@
-//! Blocks of single axes, gears and switches (manual 2.1.3, 2.2, 5.3–5.5).
+//! Blocks of single axes and gears (manual 2.1.3, 2.2, 5.3, 5.4).
 
 use super::vector::check;
 use twin_axis::{
-    Axis, AxisConfig, Block, CamSwitch, DigitalCamSwitch, Direction, Follow, GearInPos,
-    MoveAbsolute, MoveVelocity, Movement, Power, SwitchDirection, TimeAxis, Track, TrackingError,
-    VirtualDrive, atan2, fmod, units,
+    Axis, AxisConfig, Block, Direction, Follow, GearInPos, MoveAbsolute, MoveVelocity, Movement,
+    Power, TimeAxis, TrackingError, VirtualDrive, atan2, fmod, units,
 };
 
 /// An axis with its drive, and power on.
@@ -181,39 +180,5 @@ pub(crate) fn tracking_error() {
             it.drive.follow(&it.axis.end_cycle());
         }
         vector.expect("error", [watch.error]);
-    });
-}
-
-#[test]
-pub(crate) fn digital_cam() {
-    check("digital-cam", |vector| {
-        let range = |track, first_on, last_on, direction| CamSwitch {
-            track,
-            first_on,
-            last_on,
-            direction,
-            duration: None,
-        };
-        let switches = [
-            range(1, 200.0, 300.0, SwitchDirection::Negative),
-            range(2, 100.0, 300.0, SwitchDirection::Both),
-            CamSwitch { duration: Some(2.0), ..range(3, 10.0, 0.0, SwitchDirection::Both) },
-            range(1, 0.0, 100.0, SwitchDirection::Positive),
-        ];
-        for (way, sign) in [("positive", 1.0), ("negative", -1.0)] {
-            let outputs = vector.numbers("pos").into_iter().map(|place| {
-                let mut block = DigitalCamSwitch::new(&switches, [Track::default(); 32]);
-                let mut it = Powered::new(0.01, None, place - sign);
-                let mut there = Block::new(Follow::Position(place));
-                it.cycle(|axis| there.call(true, axis));
-                block.call(true, &it.axis).outputs
-            });
-            let outputs: Vec<_> = outputs.collect();
-            for (index, name) in ["out1", "out2"].into_iter().enumerate() {
-                for (place, outputs) in outputs.iter().enumerate() {
-                    vector.expect_that(&format!("{way}/{name}/{place}"), outputs[index]);
-                }
-            }
-        }
     });
 }

@@ -25,7 +25,7 @@ impl Owner {
     fn of(id: &str) -> Option<Self> {
         let begins = |groups: &[&str]| groups.iter().any(|group| id.starts_with(group));
         let motion = ["cam-", "cnc-", "prep-", "ipo-", "axis-", "gear-", "x-interpolator"];
-        if begins(&motion) || ["time-axis", "diag-tracking", "digital-cam"].contains(&id) {
+        if begins(&motion) || ["time-axis", "diag-tracking"].contains(&id) {
             Some(Self::Motion)
         } else if begins(&["trafo-", "trafov-"]) {
             Some(Self::Kinematics)

@@ -17,7 +17,6 @@ mod jerk;
 mod probes;
 mod refusals;
 mod states;
-mod switch;
 mod tables;
 mod targets;
 mod zeros;
