@@ -14,12 +14,11 @@
 //! (the manual's `dvx = dVel · vx`). The flange keeps its attitude: x forward.
 
 use super::ToolBeside;
-use super::view::{GantryToolView, GantryView, Range};
 use crate::error::{DimensionError, all_finite};
 use crate::transform::Values;
 use crate::transform::{Serial, Straight, Transform};
 use crate::{AxisDisc, AxisVector, Coordinate, Result, ToolDisc};
-use nalgebra::{SVector, Vector2, Vector3};
+use nalgebra::{SVector, Vector3};
 
 /// A gantry with N axes, 2 or 3: x and y, or x, y and z. Its tool may be offset from their crossing ([`ToolBeside`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,20 +59,6 @@ impl<const N: usize> Gantry<N> {
     pub fn offsets(&self) -> [f64; N] {
         self.offsets.into()
     }
-
-    /// The manual's normalised outputs with the axes at `axes` (m).
-    pub fn view(&self, axes: &Values<N>, range: &Range) -> GantryView {
-        range.view(xy(&(axes - self.shift)).into(), xy(&self.offsets).into())
-    }
-
-    /// Those of its blocks for a tool beside the axes.
-    pub fn tool_view(&self, axes: &Values<N>, range: &Range) -> GantryToolView {
-        range.tool_view(xy(&(axes - self.offsets)), xy(&self.offsets).into(), &self.beside)
-    }
-}
-
-fn xy<const N: usize>(values: &Values<N>) -> Vector2<f64> {
-    Vector2::new(values[0], values[1])
 }
 
 impl<const N: usize> Transform<N> for Gantry<N> {

@@ -91,12 +91,6 @@ impl GantryH2 {
     pub fn offsets(&self) -> [f64; 2] {
         self.offsets.into()
     }
-
-    /// The manual's normalised outputs with the drives at `axes` (m).
-    pub fn view(&self, axes: &Vector2<f64>, range: &super::Range) -> super::GantryView {
-        let tip = self.belt.matrix * axes - self.offsets + self.tool;
-        range.view(tip.into(), self.offsets.into())
-    }
 }
 
 impl Transform<2> for GantryH2 {

@@ -4,13 +4,11 @@ mod cartesian;
 mod cutter;
 mod h_belt;
 mod tool_offset;
-mod view;
 
 pub use cartesian::{Gantry, Gantry2, Gantry3};
 pub use cutter::{GantryCutter, GantryCutter2, GantryCutter3, Sense, Swinging};
 pub use h_belt::{BeltLayout, GantryH2};
 pub use tool_offset::ToolBeside;
-pub use view::{GantryToolView, GantryView, Range};
 
 /// A gantry has no size of its own; this is that of a machine on a bench, m.
 const CHARACTERISTIC_LENGTH: f64 = 0.5;

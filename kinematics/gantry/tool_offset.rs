@@ -29,13 +29,9 @@ pub struct ToolBeside {
 }
 
 impl ToolBeside {
-    /// End of `ahead`, from the axes: the corner of the manual's triangle, m.
-    pub fn corner(&self) -> Vector2<f64> {
-        Vector2::new(self.angle.cos(), self.angle.sin()) * self.ahead
-    }
-
     /// Position of the tool, from the axes, m.
     pub fn offset(&self) -> Vector2<f64> {
-        self.corner() + Vector2::new(-self.angle.sin(), self.angle.cos()) * self.left
+        let (sin, cos) = (self.angle.sin(), self.angle.cos());
+        Vector2::new(cos, sin) * self.ahead + Vector2::new(-sin, cos) * self.left
     }
 }

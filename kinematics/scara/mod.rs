@@ -3,8 +3,6 @@
 mod chain;
 mod three_link;
 mod two_link;
-mod view;
 
 pub use three_link::{Scara3, ThreeLinks};
 pub use two_link::{Elbow, Scara2, TwoLinks};
-pub use view::ScaraView;

@@ -23,7 +23,6 @@
 //! A tool offset from the end of the last arm turns with it: the frame of the flange has x along the arm, y to its
 //! left. The direction remains that of the arm.
 
-use super::ScaraView;
 use super::chain::{Bent, Pair, TwoArms, turned};
 use super::two_link::{Elbow, check_arms};
 use crate::disc::Square;
@@ -86,11 +85,6 @@ impl Scara3 {
     /// Smallest and largest distance of the wrist from the first arm's axis, m.
     pub(crate) fn wrist_reach(&self) -> [f64; 2] {
         self.chain.reach()
-    }
-
-    /// The manual's normalised outputs with the axes at `axes` (rad).
-    pub fn view(&self, axes: &Vector3<f64>) -> ScaraView<3> {
-        ScaraView::new(self.arms, (axes - self.offsets).into())
     }
 
     /// From the wrist to the tip with the last arm in the direction δ.

@@ -32,7 +32,6 @@
 //! velocity ([`KinematicsError::Singular`] unless the tool is at rest), and the direction of their motion is undefined.
 //! With L1 = L2 the inner edge is the point r = 0, where α is free: the first arm then stays where `near` has it.
 
-use super::ScaraView;
 use super::chain::{Bent, Pair, TwoArms};
 use crate::disc::Square;
 use crate::error::{DimensionError, ReachOf, all_finite};
@@ -119,11 +118,6 @@ impl Scara2 {
     /// Smallest and largest distance of the tool tip from the first arm's axis, m.
     pub fn reach(&self) -> [f64; 2] {
         self.chain.reach()
-    }
-
-    /// The manual's normalised outputs with the axes at `axes` (rad).
-    pub fn view(&self, axes: &Vector2<f64>) -> ScaraView<2> {
-        ScaraView::new(self.arms, [axes.x - self.offsets[0], axes.y - self.offsets[1]])
     }
 
     #[inline]

@@ -8,7 +8,6 @@ mod machines;
 mod measures;
 mod scara;
 mod transforms;
-mod views;
 
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 

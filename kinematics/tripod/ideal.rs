@@ -37,7 +37,6 @@
 
 use super::meet;
 use super::rods::TripodDimensions;
-use super::view::TripodView;
 use crate::disc::Square;
 use crate::error::{DimensionError, ReachOf, all_finite};
 use crate::smooth::SmoothMap;
@@ -87,15 +86,6 @@ impl Tripod {
     /// Axis positions with the upper rod ends at z = 0, m.
     pub fn offsets(&self) -> [f64; 3] {
         self.offsets.into()
-    }
-
-    /// The manual's normalised outputs with the axes at `axes` (m).
-    ///
-    /// # Errors
-    /// As [`Transform::to_tool`].
-    pub fn view(&self, axes: &Vector3<f64>) -> Result<TripodView> {
-        let tool = self.to_tool(axes)?;
-        Ok(TripodView::new(&self.dimensions, &(tool - self.tool), &tool))
     }
 
     /// Horizontal part of the rods.

@@ -8,9 +8,7 @@ mod calibrated;
 mod ideal;
 mod meet;
 mod rods;
-mod view;
 
 pub use calibrated::{CalibratedTripod, HeldByRods};
 pub use ideal::{Tripod, TripodRods};
 pub use rods::{Rod, TripodDeviations, TripodDimensions};
-pub use view::TripodView;

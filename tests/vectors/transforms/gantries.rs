@@ -4,7 +4,7 @@ use super::vector::{Vector, check};
 use nalgebra::{SVector, Vector2, Vector3};
 use twin_kinematics::ToPath;
 use twin_kinematics::gantry::{
-    BeltLayout, Gantry2, Gantry3, GantryCutter2, GantryH2, Range, Sense, ToolBeside,
+    BeltLayout, Gantry2, Gantry3, GantryCutter2, GantryH2, Sense, ToolBeside,
 };
 use twin_kinematics::transform::{Motion, Transform};
 
@@ -30,14 +30,6 @@ pub(crate) fn three_axes() {
         let axes = gantry.to_axes(&point(vector, "pi")).unwrap();
         vector.expect("d", mm(axes));
         vector.expect("fwd", mm(gantry.to_tool(&axes).unwrap()));
-        let edge = |name| vector.number(name) * 1e-3;
-        let range = Range { x: [edge("minX"), edge("maxX")], y: [edge("minY"), edge("maxY")] };
-        let view = gantry.view(&axes, &range);
-        vector.expect("dnx", [view.tool[0]]);
-        vector.expect("dny", [view.tool[1]]);
-        vector.expect("dnOffsetX", [view.offset[0]]);
-        vector.expect("dnOffsetY", [view.offset[1]]);
-        vector.expect("ratio", [view.ratio]);
     });
 }
 
