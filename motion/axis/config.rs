@@ -36,8 +36,6 @@ pub struct AxisConfig {
     pub software_limits: Option<[f64; 2]>,
     /// True if the drive can limit a capture to a window of positions.
     pub capture_window: bool,
-    /// Increments to u: numerator and denominator (`iRatioTechUnitsNum`, `dwRatioTechUnitsDenom`).
-    pub ratio: [i64; 2],
     /// Number of the drive (`wId`, `wDriveId`); blocks tell axes by it.
     pub drive_id: u16,
 }
@@ -55,7 +53,6 @@ impl Default for AxisConfig {
             max_deceleration: 100.0,
             software_limits: None,
             capture_window: true,
-            ratio: [1, 1],
             drive_id: 0,
         }
     }

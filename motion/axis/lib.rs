@@ -54,7 +54,6 @@ mod ownership;
 mod state;
 #[cfg(test)]
 mod tests;
-mod virtual_axes;
 
 pub use axis::Axis;
 pub use block::{Block, Motion, Progress, Stage};
@@ -76,4 +75,3 @@ pub use moves::{
 };
 pub use ownership::{Refusal, Start};
 pub use state::AxisState;
-pub use virtual_axes::{Encoder, EncoderOutputs, TimeAxis, units};

@@ -138,12 +138,6 @@ impl Axis {
         self.show_set_values();
     }
 
-    /// The set-point of the last cycle, which a block goes on from: in the drive's coordinates, unwound.
-    #[cfg(test)]
-    pub(crate) fn last_setpoint(&self) -> State {
-        self.saved
-    }
-
     /// Error of a block that has lost the axis: the axis's error, 20 after loss of power, none if another block took
     /// it.
     pub(crate) fn loss(&self) -> Option<SmcError> {

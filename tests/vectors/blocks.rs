@@ -1,9 +1,9 @@
-//! Blocks of single axes and gears (manual 2.1.3, 2.2, 5.3, 5.4).
+//! Blocks of single axes and gears (manual 2.2, 5.3, 5.4).
 
 use super::vector::check;
 use twin_axis::{
     Axis, AxisConfig, Block, Direction, Follow, GearInPos, MoveAbsolute, MoveVelocity, Movement,
-    Power, TimeAxis, TrackingError, VirtualDrive, atan2, fmod, units,
+    Power, TrackingError, VirtualDrive, atan2, fmod,
 };
 
 /// An axis with its drive, and power on.
@@ -105,9 +105,6 @@ pub(crate) fn direction() {
 #[test]
 pub(crate) fn conversions() {
     check("axis-units", |vector| {
-        let whole = |name: &str| vector.word(name).parse::<i64>().expect("a whole number");
-        let [increments, numerator, denominator] = ["inc", "num", "denom"].map(whole);
-        vector.expect("units", [units(increments, [numerator, denominator])]);
         vector.expect("fmod", [fmod(-30.0, 360.0)]);
         vector.expect("atan2", [atan2(-1.0, 0.0)]);
     });
@@ -140,22 +137,6 @@ pub(crate) fn gear_in_position() {
             }
         }
         assert!((slave.axis.set_position() - sync[1] - 2.0 * (160.0 - sync[0])).abs() < 1e-9);
-    });
-}
-
-#[test]
-pub(crate) fn time_axis() {
-    check("time-axis", |vector| {
-        let mut time = TimeAxis::new(0.1, Some(vector.number("period")));
-        time.time_override = vector.number("override");
-        let until = vector.number("t");
-        let mut passed = 0_u32;
-        time.call(true);
-        while f64::from(passed) * 0.1 < until - 0.05 {
-            time.call(true);
-            passed += 1;
-        }
-        vector.expect("set_position", [time.axis().set_position()]);
     });
 }
 

@@ -28,7 +28,7 @@ mod words;
 use table::{Exercise, Owner};
 
 /// Table of vectors and the tests that exercise them.
-const EXERCISED: [Exercise; 48] = [
+const EXERCISED: [Exercise; 47] = [
     ("cnc-arc-R-semicircle", arcs::by_radius_semicircle),
     ("cnc-arc-IJ-same", arcs::by_center),
     ("cnc-arc-R-minor", arcs::by_radius_minor),
@@ -75,7 +75,6 @@ const EXERCISED: [Exercise; 48] = [
     ("axis-direction", blocks::direction),
     ("axis-units", blocks::conversions),
     ("gear-in-pos", blocks::gear_in_position),
-    ("time-axis", blocks::time_axis),
     ("diag-tracking", blocks::tracking_error),
 ];
 

@@ -7,27 +7,34 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Inputs and outputs for the pictures of a PLC's visualisation, which this project does not compute.
-const PICTURES: [&str; 19] = [
-    "minX",
-    "maxX",
-    "minY",
-    "maxY",
-    "dnx",
-    "dny",
-    "dnOffsetX",
-    "dnOffsetY",
-    "ratio",
-    "alpha",
-    "beta",
-    "dpx",
-    "dpy",
-    "dppx",
-    "dppy",
-    "dR",
-    "dR1",
-    "dR2",
-    "dRatioInnerOuter",
+/// Facts of the digest's vectors that this project does not compute, by how the ids begin: those of pictures of a PLC's
+/// visualisation, and increments of a drive.
+const LEFT_OUT: [(&str, &[&str]); 2] = [
+    (
+        "trafo-",
+        &[
+            "minX",
+            "maxX",
+            "minY",
+            "maxY",
+            "dnx",
+            "dny",
+            "dnOffsetX",
+            "dnOffsetY",
+            "ratio",
+            "alpha",
+            "beta",
+            "dpx",
+            "dpy",
+            "dppx",
+            "dppy",
+            "dR",
+            "dR1",
+            "dR2",
+            "dRatioInnerOuter",
+        ],
+    ),
+    ("axis-units", &["inc", "num", "denom", "units"]),
 ];
 
 /// A vector's id and the test that exercises it.
@@ -48,7 +55,7 @@ impl Owner {
     fn of(id: &str) -> Option<Self> {
         let begins = |groups: &[&str]| groups.iter().any(|group| id.starts_with(group));
         let motion = ["cam-", "cnc-", "prep-", "ipo-", "axis-", "gear-", "x-interpolator"];
-        if begins(&motion) || ["time-axis", "diag-tracking"].contains(&id) {
+        if begins(&motion) || id == "diag-tracking" {
             Some(Self::Motion)
         } else if begins(&["trafo-", "trafov-"]) {
             Some(Self::Kinematics)
@@ -77,8 +84,8 @@ pub(crate) fn every_vector_is_exercised(owner: Owner, exercised: &[Exercise]) {
     }
 }
 
-/// The vectors of `owner` are those of the digest, number for number, those of transforms without pictures. Skipped where the
-/// digest is not at hand.
+/// The vectors of `owner` are those of the digest, number for number but for what is left out. Skipped where the digest is
+/// not at hand.
 pub(crate) fn the_vectors_are_the_digests(owner: Owner) {
     let Some(path) = digest() else {
         println!("skipped: no vectors of the digest (TWIN_SHARED, ../shared)");
@@ -88,8 +95,8 @@ pub(crate) fn the_vectors_are_the_digests(owner: Owner) {
         fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut theirs = vector::parse(&text);
     theirs.retain(|id, _| Owner::of(id) == Some(owner));
-    if owner == Owner::Kinematics {
-        theirs.values_mut().for_each(without_pictures);
+    for (id, vector) in &mut theirs {
+        leave_out(id, vector);
     }
     let mut ours = vector::all();
     ours.retain(|id, _| Owner::of(id) == Some(owner));
@@ -102,11 +109,13 @@ pub(crate) fn the_vectors_are_the_digests(owner: Owner) {
     }
 }
 
-/// Takes from a vector what belongs to pictures.
-fn without_pictures(vector: &mut Value) {
+/// Takes from a vector of the digest what is left out.
+fn leave_out(id: &str, vector: &mut Value) {
+    let left_out = LEFT_OUT.iter().filter(|(group, _)| id.starts_with(group));
+    let left_out: Vec<_> = left_out.flat_map(|(_, names)| *names).copied().collect();
     for part in ["inputs", "expected"] {
         if let Some(facts) = vector.get_mut(part).and_then(Value::as_object_mut) {
-            facts.retain(|name, _| !PICTURES.contains(&name.as_str()));
+            facts.retain(|name, _| !left_out.contains(&name.as_str()));
         }
     }
 }

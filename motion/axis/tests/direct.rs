@@ -1,10 +1,8 @@
-//! Tests of direct set-points, diagnosis, virtual axes and auxiliary functions (manual 2.1.4, 2.2).
+//! Tests of direct set-points, diagnosis and auxiliary functions (manual 2.2).
 
 use super::*;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
-
-const ROTARY: Movement = Movement::Rotary { period: 360.0 };
 
 /// A cycle with another set-point: true while the interpolator has to wait.
 fn stops(rig: &mut Rig, block: &mut ControlAxis, setpoint: Follow) -> bool {
@@ -208,95 +206,6 @@ fn the_largest_values_are_kept_with_their_times() {
 }
 
 #[test]
-fn the_time_is_an_axis() {
-    let mut time = TimeAxis::new(0.1, None);
-    time.call(false);
-    assert_eq!(time.axis().set_position(), 0.0);
-    (0..=10).for_each(|_| assert_eq!(time.call(true).set_acceleration(), 0.0));
-    let near = |time: &TimeAxis, place: f64| (time.axis().set_position() - place).abs() < 1e-12;
-    assert!(near(&time, 1.0));
-    // From 1 to 3 within 1 s, 2 /s: 2 s pass in it, and then 0.3 s each 0.1 s.
-    (time.time_override, time.ramp_in_time) = (3.0, 1.0);
-    (0..10).for_each(|_| assert!((time.call(true).set_acceleration() - 2.0).abs() < 1e-9));
-    assert!(near(&time, 3.0));
-    assert_eq!(time.call(true).set_acceleration(), 0.0);
-    assert!(near(&time, 3.3));
-    time.call(false);
-    assert!(near(&time, 3.3) && time.axis().set_velocity() == 0.0);
-    time.call(true);
-    assert_eq!(time.axis().set_position(), 0.0, "a new edge counts from 0");
-}
-
-/// A slave needs it for its own acceleration (y″·v² + y′·a).
-#[test]
-fn encoders_have_an_acceleration() {
-    // Increments of ½·a·t² with 20 u a cycle²: 10, 40, 90, ... and none of it from the first value.
-    let mut it = encoder(ROTARY, 0, [1, 1]);
-    let seen = [100, 100, 110, 140, 190, 240, 240].map(|raw| {
-        it.call(raw, None);
-        assert_eq!(it.axis().set_acceleration(), it.axis().values.act_acceleration);
-        (it.axis().values.act_acceleration * CYCLE * CYCLE).round()
-    });
-    assert_eq!(seen, [0.0, 0.0, 10.0, 20.0, 20.0, 0.0, -50.0]);
-    // An encoder that already turns at its first value was not at rest before.
-    let mut it = encoder(ROTARY, 0, [1, 1]);
-    let turning = [100, 130, 160].map(|raw| {
-        it.call(raw, None);
-        (it.axis().act_velocity(), it.axis().values.act_acceleration)
-    });
-    assert_eq!(turning, [(0.0, 0.0), (30.0 / CYCLE, 0.0), (30.0 / CYCLE, 0.0)]);
-}
-
-#[test]
-fn an_encoder_counts_over_its_end() {
-    // 16 bit, a turn of 65536 increments.
-    let mut it = encoder(ROTARY, 0x1_0000, [360, 65_536]);
-    let end = 360.0 - 360.0 / 65_536.0;
-    for (raw, set, place, way) in [
-        (0x8000, None, 180.0, 0.0),
-        (0xC000, None, 270.0, 90.0),
-        (0x0000, None, 0.0, 90.0),
-        (0xFFFF, None, end, end - 360.0),
-        // bSet.
-        (0x0000, Some(10.0), 10.0, 360.0 - end),
-        (0x4000, None, 100.0, 90.0),
-    ] {
-        assert!(it.call(raw, set).valid);
-        let shown = (it.axis().act_position(), it.axis().act_velocity());
-        assert_eq!(shown, (place, way / CYCLE), "{raw}");
-    }
-    // 32 bit: two back from 1.
-    let mut it = encoder(ROTARY, 0, [1, 1]);
-    it.call(1, None);
-    it.call(u32::MAX, None);
-    assert_eq!(it.axis().act_position(), 359.0);
-    assert_eq!(units(-65_536, [360, 65_536]), -360.0);
-}
-
-#[test]
-fn encoders_refuse_a_denominator_of_0_and_blocks() {
-    let mut it = encoder(ROTARY, 0, [1, 0]);
-    assert_eq!(it.call(0, None).error, Some(SmcError::EncDenomZero));
-    let software_limits = Some([-5.0, 5.0]);
-    let config = AxisConfig { software_limits, cycle: CYCLE, ..AxisConfig::default() };
-    let mut it = Encoder::new(config, 0);
-    it.call(3, None);
-    assert_eq!(it.axis().error_id(), None);
-    it.call(7, None);
-    assert_eq!(it.axis().error_id(), Some(10));
-    let mut encoder = encoder(Movement::Linear, 0, [1, 1]);
-    assert!(encoder.call(3, None).valid);
-    // Blocks take axes with power only; here the encoder has it by mistake.
-    encoder.axis_mut().values.regulator_real_state = true;
-    encoder.axis_mut().values.drive_start_real_state = true;
-    endless(1.0).call(true, encoder.axis_mut());
-    let shown = encoder.call(4, None);
-    assert!(!shown.valid);
-    assert_eq!(shown.error, Some(SmcError::EncAxisusedbyotherfb));
-    assert_eq!(encoder.axis().act_position(), 3.0);
-}
-
-#[test]
 fn a_control_block_is_enabled_anew_while_another_one_moves_the_axis() {
     let mut rig = linear();
     let mut control = ControlAxis::new(watched(Follow::Position(0.0), 0.0, 80.0));
@@ -439,25 +348,5 @@ proptest! {
         prop_assert!((0.0..TAU).contains(&angle));
         prop_assert!((angle.sin() * factor - sine).abs() < 1e-9);
         prop_assert!((angle.cos() * factor - cosine).abs() < 1e-9);
-    }
-
-    /// By a counter of 12 bits, 4096 increments a turn, that is read often enough.
-    #[test]
-    fn a_walk_is_followed(steps in proptest::collection::vec(-2047_i64..2048, 1..200)) {
-        let mut counter = encoder(Movement::Rotary { period: 360.0 }, 0x1000, [360, 4096]);
-        counter.call(0, None);
-        let mut position = 0_i64;
-        for step in steps {
-            position += step;
-            let shown = u32::try_from(position.rem_euclid(0x1000)).unwrap();
-            prop_assert!(counter.call(shown, None).valid);
-            let turn = f64::from(shown) * 360.0 / 4096.0;
-            prop_assert!((counter.axis().act_position() - turn).abs() < 1e-9);
-            // The unwound way is the drive's position.
-            let whole = counter.axis().last_setpoint().position;
-            #[expect(clippy::cast_precision_loss, reason = "small")]
-            let expected = position as f64 * 360.0 / 4096.0;
-            prop_assert!((whole - expected).abs() < 1e-6, "{} {}", whole, expected);
-        }
     }
 }

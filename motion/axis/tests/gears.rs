@@ -42,6 +42,7 @@ fn a_gear_follows_actual_values_of_a_master_without_power() {
         shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
     }
     assert!(shown.done);
+    assert_eq!(master.axis.act_velocity(), 5.0);
     assert!((slave.axis.set_velocity() - 10.0).abs() < 1e-9);
 }
 

@@ -295,7 +295,3 @@ fn ramp_in(velocity_difference: f64, acceleration: f64) -> CamInput {
         ..CamInput::default()
     }
 }
-
-fn encoder(movement: Movement, modulo: u32, ratio: [i64; 2]) -> Encoder {
-    Encoder::new(AxisConfig { ratio, movement, cycle: CYCLE, ..AxisConfig::default() }, modulo)
-}

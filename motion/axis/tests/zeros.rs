@@ -104,27 +104,6 @@ fn a_master_that_is_homed_takes_nobody_along() {
     }
 }
 
-#[test]
-fn an_encoder_and_a_time_that_are_set_take_nobody_along() {
-    let mut encoder = encoder(Movement::Linear, 0, [1, 1]);
-    let (mut slave, mut block) = (linear(), gear(1, 1));
-    for cycle in 0..20 {
-        encoder.call(700, (cycle == 10).then_some(50.0));
-        slave.cycle(|axis| block.follow(true, encoder.axis(), axis));
-        assert_eq!(slave.axis.set_position(), 0.0, "{cycle}");
-    }
-    // A new edge counts from 0 again; the time stands still in that cycle.
-    let mut time = TimeAxis::new(CYCLE, None);
-    let (mut slave, mut block) = (linear(), gear(10, 1));
-    for cycle in 0..200 {
-        let before = slave.axis.set_position();
-        time.call(cycle != 100);
-        slave.cycle(|axis| block.follow(true, time.axis(), axis));
-        let way = slave.axis.set_position() - before;
-        assert!((-1e-9..=10.0 * CYCLE + 1e-9).contains(&way), "{cycle}: {way}");
-    }
-}
-
 /// With `MasterAbsolute` the slave is strictly at the cam's position for the master's (manual 4.6.2).
 #[test]
 fn cams_follow_positions_only_where_they_are_absolute() {
