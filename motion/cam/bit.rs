@@ -6,7 +6,7 @@ use super::tappet::Action;
 /// Pulses of one group that may wait at a time: those that come beyond are dropped.
 const MAX_PULSES: usize = 256;
 
-/// A bit that tappets switch.
+/// A bit that tappets switch, off at first.
 ///
 /// Every tappet acts at the time at which the master passed it; a timed one switches on a delay later and off a duration
 /// after that. The last one that acted says what the bit is, but a timed one that ends does not switch off what another
@@ -28,19 +28,9 @@ struct Pulse {
 }
 
 impl TappetBit {
-    /// A bit that begins with `value` (`bInitValue`).
-    pub fn new(value: bool) -> Self {
-        Self { value, ..Self::default() }
-    }
-
     /// Its value.
     pub fn value(&self) -> bool {
         self.value
-    }
-
-    /// Back to `value`, with nothing pending (`bSetInitValueAtReset`).
-    pub fn reset(&mut self, value: bool) {
-        *self = Self::new(value);
     }
 
     /// A tappet acts.

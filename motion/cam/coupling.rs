@@ -78,7 +78,7 @@ impl CamCoupling {
             slave: *slave,
             in_sync: false,
             end_of_profile: false,
-            tappets: TappetData { restarted: true, now_ns, ..TappetData::default() },
+            tappets: TappetData { now_ns, ..TappetData::default() },
         };
         let mut coupling = Self {
             table,
@@ -204,11 +204,6 @@ impl CamCoupling {
             self.ended = false;
         }
         self.ended
-    }
-
-    /// Marks the last cycle's tappets as those of the first cycle, for callers that step in the cycle of the start.
-    pub fn mark_restarted(&mut self) {
-        self.output.tappets.restarted = true;
     }
 
     /// Output of the last cycle, or of the start.

@@ -13,7 +13,7 @@ pub(super) fn check(state: &State, axis: &'static str) -> Result<(), CouplingErr
     }
 }
 
-/// Tappets that can be reported in one cycle (`SMC_TappetData`); a register has no such limit.
+/// Tappets that can be reported in one cycle (`SMC_TappetData`).
 pub const MAX_TRIGGERS: usize = 3;
 
 /// Tappets that acted in a cycle (`SMC_TappetData`): the first [`MAX_TRIGGERS`] of them.
@@ -23,8 +23,6 @@ pub struct TappetData {
     pub(super) triggers: [Option<Trigger>; MAX_TRIGGERS],
     /// Number of further ones, which are lost.
     pub lost: usize,
-    /// True if this is the first cycle after a start of `MC_CamIn`.
-    pub restarted: bool,
     /// Time of the cycle by the coupling's clock, ns. It has to go on from one coupling to the next: what a timed
     /// tappet has begun ends by it.
     pub now_ns: i64,

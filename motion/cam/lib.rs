@@ -2,7 +2,7 @@
 //!
 //! [`Source`] is the editable form: points, straight lines and tappets on a scale. It is compiled to a [`Cam`], a
 //! polynomial or a table, whose [`Curve`] gives the slave's position and derivatives. [`CamCoupling`] makes a slave
-//! follow one cycle by cycle; [`CamRegister`] switches bits by the master's position, without a slave.
+//! follow one cycle by cycle; its tappets switch a [`TappetBit`].
 //!
 //! Everything is in the axes' technical units u. There is no clock: the caller gives the time of each cycle.
 //!
@@ -48,7 +48,6 @@ mod passage;
 mod polynomial;
 mod ramp_in;
 mod reference;
-mod register;
 mod selection;
 mod source;
 mod table;
@@ -57,7 +56,6 @@ mod tappet;
 mod tests;
 pub mod tune;
 mod unwrap;
-mod value;
 
 pub use bit::TappetBit;
 pub use bounds::{Bounds, Factors, MasterMotion, Peak, Quantity, SlaveLimits};
@@ -72,9 +70,7 @@ pub use knot::{Derivatives, Knot, quintic};
 pub use maximum_master_velocity::{Largest, LimitError};
 pub use passage::Trigger;
 pub use reference::{Cam, Shape};
-pub use register::{CamRegister, RegisterError, RegisterInput};
 pub use selection::{CamInput, CamTable, StartMode};
 pub use source::{Compile, Element, Kind, Scale, Source};
 pub use table::{Equidistant, Interpolation, PairTable, TableScale, VariableType};
 pub use tappet::{Action, Passage, Tappet};
-pub use value::TappetValue;

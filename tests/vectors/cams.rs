@@ -3,9 +3,9 @@
 use super::vector::{Vector, check};
 use std::sync::Arc;
 use twin_cam::{
-    Action, Cam, CamCoupling, CamInput, CamRegister, CamTable, Curve, Derivatives, Equidistant,
-    Factors, Interpolation, Knot, MasterMotion, PairTable, Passage, RegisterInput, Shape,
-    TableScale, Tappet, VariableType, quintic,
+    Action, Cam, CamCoupling, CamInput, CamTable, Curve, Derivatives, Equidistant, Factors,
+    Interpolation, Knot, MasterMotion, PairTable, Passage, Shape, TableScale, Tappet, VariableType,
+    quintic,
 };
 use twin_profile::State;
 
@@ -167,19 +167,34 @@ pub(crate) fn periodic_offsets() {
     });
 }
 
+/// The farthest tappet that acts in the cycle in which the master comes from 0 to its place.
 #[test]
 pub(crate) fn dead_time() {
     check("cam-register-deadtime", |vector| {
-        let input = RegisterInput {
+        let input = CamInput {
             master_scaling: vector.number("ms"),
             master_offset: vector.number("mo"),
-            dead_time_s: vector.number("dt"),
-            ..RegisterInput::default()
+            tappet_dead_time_s: vector.number("dt"),
+            ..CamInput::default()
         };
-        let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
-        let tappet = Tappet { group: 1, master: 10.0, passage: Passage::Every, action: Action::On };
-        let cam = Cam::new("cam", Shape::Polynomial(knots), vec![tappet]).expect("a cam");
-        let register = CamRegister::new(Arc::new(cam), input).expect("a cam with tappets");
-        vector.expect("x", [register.looks_at(vector.number("master"), vector.number("v"))]);
+        let moving = |place| State { velocity: vector.number("v"), ..at(place) };
+        let (here, there) = (moving(0.0), moving(vector.number("master")));
+        let acts = |master: f64| {
+            let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
+            let tappet = Tappet { group: 1, master, passage: Passage::Every, action: Action::On };
+            let cam = Cam::new("cam", Shape::Polynomial(knots), vec![tappet]).expect("a cam");
+            let table = CamTable::new(Arc::new(cam));
+            let start = CamCoupling::start(table, input, &here, &at(0.0), 0);
+            let mut coupling = start.expect("a start");
+            let shown = coupling.step(&there, 400_000_000).expect("somewhere");
+            shown.tappets.triggers().count() == 1
+        };
+        let (mut farthest, mut beyond) = (50.0, 350.0);
+        assert!(acts(farthest) && !acts(beyond));
+        for _ in 0..50 {
+            let middle = f64::midpoint(farthest, beyond);
+            *if acts(middle) { &mut farthest } else { &mut beyond } = middle;
+        }
+        vector.expect("x", [farthest]);
     });
 }

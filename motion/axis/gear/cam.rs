@@ -37,7 +37,6 @@ pub struct CamRun {
     /// From positions of the program to set-points, which are unwound and in the drive's coordinates.
     shift: f64,
     seconds: f64,
-    restarted: bool,
     /// The master's zero at the start: a cam that lies where the master was stays there.
     zero: f64,
     /// Ramp-in with limited jerk; other ramps are the coupling's.
@@ -128,7 +127,7 @@ impl Motion for CamIn {
             let (approach, turned) = approach.unzip();
             let shift = position - inside - turned.unwrap_or_default();
             let seconds = lead - axis.cycle();
-            Ok::<_, SmcError>(CamRun { coupling, shift, seconds, restarted: true, zero, approach })
+            Ok::<_, SmcError>(CamRun { coupling, shift, seconds, zero, approach })
         };
         // If the master comes onto the cam in this cycle, the slave first goes on with its acceleration.
         let State { position, velocity, acceleration } = state;
@@ -152,9 +151,6 @@ impl Motion for CamIn {
             at.position -= master.zero - run.zero;
         }
         run.coupling.step(&at, axis.now_ns()).map_err(number)?;
-        if std::mem::take(&mut run.restarted) {
-            run.coupling.mark_restarted();
-        }
         let slave = run.coupling.output().slave;
         let on_cam = State { position: slave.position + run.shift, ..slave };
         // A cycle that rounds to just before the end is the end.

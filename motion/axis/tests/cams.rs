@@ -74,31 +74,29 @@ fn two_cams_in_turn() {
 /// Of 30 ms; begun before the block is started again (manual 5.5: the value stays as it is).
 #[test]
 fn a_timed_tappet_goes_on_over_a_restart() {
-    for (reset, expected) in [(false, 3), (true, 1)] {
-        let action = Action::Timed { delay_ns: 0, duration_ns: 30_000_000 };
-        let timed = Tappet { group: 1, master: 50.05, passage: Passage::Every, action };
-        let (mut axes, mut lead) = ([linear(), linear()], endless(10.0));
-        let mut block = cam_in(lift(vec![timed]), CamInput::default());
-        let mut value = TappetValue::new(1, false, reset);
-        let (mut on, mut restarts) = (0, 0);
-        // The master is at the tappet after 5 s.
-        for _ in 0..900 {
-            let [master, slave] = &mut axes;
-            master.call(&mut lead, true);
-            slave.cycle(|axis| {
-                if value.value() && restarts == 0 {
-                    restarts += 1;
-                    block.follow(false, &master.axis, axis);
-                }
-                block.follow(true, &master.axis, axis)
-            });
-            let tappets = &block.running().expect("on the cam").coupling().output().tappets;
-            assert_eq!(tappets.now_ns, slave.axis.now_ns());
-            on += i32::from(value.step(tappets));
-        }
-        assert!(axes[0].axis.set_position() > 80.0, "beyond the tappet");
-        assert_eq!((on, restarts), (expected, 1), "bSetInitValueAtReset {reset}");
+    let action = Action::Timed { delay_ns: 0, duration_ns: 30_000_000 };
+    let timed = Tappet { group: 1, master: 50.05, passage: Passage::Every, action };
+    let (mut axes, mut lead) = ([linear(), linear()], endless(10.0));
+    let mut block = cam_in(lift(vec![timed]), CamInput::default());
+    let mut bit = TappetBit::default();
+    let (mut on, mut restarts) = (0, 0);
+    // The master is at the tappet after 5 s.
+    for _ in 0..900 {
+        let [master, slave] = &mut axes;
+        master.call(&mut lead, true);
+        slave.cycle(|axis| {
+            if bit.value() && restarts == 0 {
+                restarts += 1;
+                block.follow(false, &master.axis, axis);
+            }
+            block.follow(true, &master.axis, axis)
+        });
+        let tappets = &block.running().expect("on the cam").coupling().output().tappets;
+        assert_eq!(tappets.now_ns, slave.axis.now_ns());
+        on += i32::from(switched(&mut bit, tappets));
     }
+    assert!(axes[0].axis.set_position() > 80.0, "beyond the tappet");
+    assert_eq!((on, restarts), (3, 1));
 }
 
 /// The first way of the slave, and all of it until it is in step with a master at rest at 20. It begins at 7.

@@ -25,7 +25,7 @@ use super::*;
 use invariants::{Random, is_arrow};
 use std::sync::Arc;
 use twin_cam::{
-    Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet, TappetValue,
+    Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet, TappetBit, TappetData,
 };
 use twin_profile::{AxisLimits, ProfilePoint, RampType, State};
 
@@ -279,6 +279,14 @@ fn cam(knots: &[Knot], tappets: Vec<Tappet>) -> CamTable {
 fn straight(width: f64, slope: f64) -> CamTable {
     let knot = |x: f64| Knot { velocity: slope, ..Knot::at_rest(x, slope * x) };
     cam(&[knot(0.0), knot(width)], Vec::new())
+}
+
+/// The bit of group 1 after a cycle of its cam.
+fn switched(bit: &mut TappetBit, tappets: &TappetData) -> bool {
+    for trigger in tappets.triggers().filter(|trigger| trigger.group == 1) {
+        bit.take(trigger);
+    }
+    bit.at(tappets.now_ns)
 }
 
 fn cam_in(table: CamTable, input: CamInput) -> Block<CamIn> {

@@ -11,7 +11,9 @@ mod source;
 mod tappet_starts;
 mod tappets;
 
-use super::{Action, Cam, CamCoupling, CamInput, CamTable, Curve, Knot, Passage, Shape, Tappet};
+use super::{
+    Action, Cam, CamCoupling, CamInput, CamTable, Curve, Knot, Passage, Shape, Tappet, TappetBit,
+};
 use proptest::prelude::*;
 use std::sync::Arc;
 use twin_profile::State;
@@ -43,6 +45,41 @@ fn moving(position: f64, velocity: f64) -> State {
 /// A slave on its cam at time 0.
 fn started(table: CamTable, input: CamInput, master: State, slave: State) -> CamCoupling {
     CamCoupling::start(table, input, &master, &slave, 0).expect("a start")
+}
+
+/// The bit of group 1 of a slave on its cam.
+#[derive(Clone)]
+struct Switched {
+    table: CamTable,
+    input: CamInput,
+    coupling: Option<CamCoupling>,
+    bit: TappetBit,
+}
+
+impl Switched {
+    fn new(table: CamTable, input: CamInput) -> Self {
+        Self { table, input, coupling: None, bit: TappetBit::default() }
+    }
+
+    /// Of a slave that stays where it is.
+    fn by(tappets: Vec<Tappet>, input: CamInput) -> Self {
+        Self::new(CamTable::new(still(tappets)), input)
+    }
+
+    /// A cycle, the first of which is the start: the bit, and the number of tappets that acted.
+    fn step(&mut self, master: State, now_ns: i64) -> (bool, usize) {
+        let acted = match &mut self.coupling {
+            Some(coupling) => coupling.step(&master, now_ns).expect("somewhere").tappets,
+            none => {
+                let coupling = started(self.table.clone(), self.input, master, at(0.0));
+                none.insert(coupling).output().tappets
+            }
+        };
+        for trigger in acted.triggers().filter(|trigger| trigger.group == 1) {
+            self.bit.take(trigger);
+        }
+        (self.bit.at(now_ns), acted.triggers().count())
+    }
 }
 
 /// Points of any cam, with widths that differ a thousandfold.

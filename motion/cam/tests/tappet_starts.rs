@@ -1,11 +1,8 @@
 //! Tests of tappets on which the master is when the cam begins (manual 4.4.2).
 
 use super::tappets::acts;
-use super::{at, cam, started, still, tappet};
-use crate::{
-    Action, Cam, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, TappetValue,
-};
-use std::sync::Arc;
+use super::{Switched, at, cam, started, still, tappet};
+use crate::{Action, CamInput, CamTable, Knot, Passage};
 
 /// A master at rest on a tappet when the cam begins has not come to it: it acts when that happens, from either side, at the
 /// latest one pass on.
@@ -72,32 +69,16 @@ fn a_pass_is_over_before_the_next_one_begins() {
                     let mut way: Vec<_> =
                         (0..20).map(|pass| middle + f64::from(pass) * by).collect();
                     way.extend([20.0, 20.5].map(|passes| middle + (passes - 0.5) * by));
-                    let found = both(&cam, &way);
+                    let mut switched =
+                        Switched::new(CamTable::new(cam.clone()), CamInput::default());
+                    let cycles = (0..).zip(&way);
+                    let found: Vec<_> =
+                        cycles.map(|(now_ns, x)| switched.step(at(*x), now_ns).0).collect();
                     let expected: Vec<_> =
                         (0..way.len()).map(|step| step > 0 && counts && forwards).collect();
-                    assert_eq!(
-                        found,
-                        [expected.clone(), expected],
-                        "{start} {end} {passage:?} {swapped} {forwards}"
-                    );
+                    assert_eq!(found, expected, "{start} {end} {passage:?} {swapped} {forwards}");
                 }
             }
         }
     }
-}
-
-/// The bit of group 1 after each position, of a register and of a coupling.
-fn both(cam: &Arc<Cam>, way: &[f64]) -> [Vec<bool>; 2] {
-    let mut register = CamRegister::new(cam.clone(), RegisterInput::default()).expect("tappets");
-    let mut value = TappetValue::new(1, false, false);
-    let (table, input) = (CamTable::new(cam.clone()), CamInput::default());
-    let mut coupling = started(table, input, at(way[0]), at(way[0]));
-    let mut found = [Vec::new(), Vec::new()];
-    for (now_ns, position) in (0..).zip(way) {
-        register.step(*position, 0.0, now_ns);
-        found[0].push(register.bit(1).expect("group 1"));
-        let coupled = coupling.step(&at(*position), now_ns).expect("somewhere");
-        found[1].push(value.step(&coupled.tappets));
-    }
-    found
 }

@@ -1,22 +1,22 @@
-//! Tests of tappets and registers (manual 4.4.2, 5.5).
+//! Tests of tappets (manual 4.4.2, 5.5).
 
-use super::{CYCLE_NS, at, cam, moving, started, still, tappet};
-use crate::{
-    Action, CamInput, CamRegister, CamTable, Knot, Passage, RegisterInput, Tappet, TappetBit,
-    TappetValue, Trigger,
-};
+use super::{CYCLE_NS, Switched, at, moving, tappet};
+use crate::{Action, CamInput, Passage, Tappet, TappetBit, Trigger};
 use proptest::prelude::*;
 
-fn register(tappets: Vec<Tappet>, input: RegisterInput) -> CamRegister {
-    CamRegister::new(still(tappets), input).expect("a cam with tappets")
+fn plain(tappets: Vec<Tappet>) -> Switched {
+    Switched::by(tappets, CamInput::default())
+}
+
+fn banded(tappets: Vec<Tappet>, tappet_hysteresis: f64) -> Switched {
+    Switched::by(tappets, CamInput { tappet_hysteresis, ..CamInput::default() })
 }
 
 /// How often the bit of group 1 changes, from off on, over positions and velocities a cycle apart.
-fn changes(register: &mut CamRegister, way: impl IntoIterator<Item = (f64, f64)>) -> usize {
+fn changes(switched: &mut Switched, way: impl IntoIterator<Item = (f64, f64)>) -> usize {
     let (mut count, mut before) = (0, false);
     for (cycle, (position, velocity)) in (0..).zip(way) {
-        register.step(position, velocity, cycle * CYCLE_NS);
-        let bit = register.bit(1).expect("group 1");
+        let (bit, _) = switched.step(moving(position, velocity), cycle * CYCLE_NS);
         count += usize::from(bit != before);
         before = bit;
     }
@@ -24,14 +24,9 @@ fn changes(register: &mut CamRegister, way: impl IntoIterator<Item = (f64, f64)>
 }
 
 /// The bit of group 1 after each position, a cycle apart.
-fn bits(register: &mut CamRegister, positions: &[f64]) -> Vec<bool> {
-    (0..)
-        .zip(positions)
-        .map(|(cycle, position)| {
-            register.step(*position, 0.0, cycle * CYCLE_NS);
-            register.bit(1).expect("group 1")
-        })
-        .collect()
+fn bits(switched: &mut Switched, positions: &[f64]) -> Vec<bool> {
+    let cycles = (0..).zip(positions);
+    cycles.map(|(cycle, position)| switched.step(at(*position), cycle * CYCLE_NS).0).collect()
 }
 
 /// Every passage with every lasting action: on 50 and back.
@@ -46,9 +41,8 @@ fn passages_and_actions() {
         (Passage::Negative, Action::Invert, [false, false, true, true, false]),
         (Passage::Every, Action::Off, [false; 5]),
     ] {
-        let mut register =
-            register(vec![tappet(1, 50.0, passage, action)], RegisterInput::default());
-        assert_eq!(bits(&mut register, &way), expected, "{passage:?} {action:?}");
+        let mut switched = plain(vec![tappet(1, 50.0, passage, action)]);
+        assert_eq!(bits(&mut switched, &way), expected, "{passage:?} {action:?}");
     }
 }
 
@@ -59,44 +53,36 @@ fn tappets_of_a_group_in_order() {
         tappet(1, 50.0, Passage::Every, Action::On),
         tappet(1, 55.0, Passage::Every, Action::Off),
     ];
-    let mut register = register(both, RegisterInput::default());
     assert_eq!(
-        bits(&mut register, &[40.0, 60.0, 40.0, 52.0, 60.0]),
+        bits(&mut plain(both), &[40.0, 60.0, 40.0, 52.0, 60.0]),
         [false, false, true, true, false]
     );
-    assert_eq!(register.bit(2), None);
-    assert_eq!(register.bits().collect::<Vec<_>>(), [(1, false)]);
 }
 
 #[test]
 fn a_tappet_acts_once_where_the_master_stops_on_it() {
     let invert = vec![tappet(1, 50.0, Passage::Every, Action::Invert)];
-    let mut plain = register(invert.clone(), RegisterInput::default());
-    assert_eq!(bits(&mut plain, &[40.0, 50.0, 50.0, 60.0]), [false, true, true, true]);
+    let found = bits(&mut plain(invert.clone()), &[40.0, 50.0, 50.0, 60.0]);
+    assert_eq!(found, [false, true, true, true]);
     // Noise around it: without a band every passage counts, with one the first does.
     let noise = [49.0, 50.4, 49.7, 50.2, 49.6, 50.3, 60.0, 49.9];
-    let mut plain = register(invert.clone(), RegisterInput::default());
-    let found = bits(&mut plain, &noise);
+    let found = bits(&mut plain(invert.clone()), &noise);
     assert_eq!(found, [false, true, false, true, false, true, true, false]);
-    let band = RegisterInput { hysteresis: 0.5, ..RegisterInput::default() };
-    let found = bits(&mut register(invert, band), &noise);
+    let found = bits(&mut banded(invert, 0.5), &noise);
     assert_eq!(found, [false, true, true, true, true, true, true, false]);
 }
 
-/// Number of actions of a tappet at 50, of a register and of a coupling, over a motion.
+/// Number of actions of a tappet at 50 over a motion: by its bit, and as they are reported.
 pub(super) fn acts(passage: Passage, hysteresis: f64, way: &[f64]) -> [usize; 2] {
-    let cam = vec![tappet(1, 50.0, passage, Action::Invert)];
-    let input = RegisterInput { hysteresis, ..RegisterInput::default() };
-    let mut register = register(cam.clone(), input);
-    let found = bits(&mut register, way);
-    let changes = found.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    let input = CamInput { tappet_hysteresis: hysteresis, ..CamInput::default() };
-    let mut coupling = started(CamTable::new(still(cam)), input, at(way[0]), at(0.0));
-    let coupled = (1..).zip(&way[1..]).map(|(cycle, position)| {
-        let shown = coupling.step(&at(*position), cycle * CYCLE_NS);
-        shown.expect("somewhere").tappets.triggers().count()
-    });
-    [changes, coupled.sum()]
+    let mut switched = banded(vec![tappet(1, 50.0, passage, Action::Invert)], hysteresis);
+    let (mut counts, mut before) = ([0; 2], false);
+    for (cycle, position) in (0..).zip(way) {
+        let (bit, acted) = switched.step(at(*position), cycle * CYCLE_NS);
+        counts[0] += usize::from(bit != before);
+        counts[1] += acted;
+        before = bit;
+    }
+    counts
 }
 
 /// A tappet acts again when the master has left the band around it. What it does not count, a passage in the other
@@ -135,13 +121,12 @@ fn the_band_holds_back_what_has_acted_only() {
 fn timed_tappets_have_delay_and_duration() {
     // Passed half way between the cycles at 0 and 1 ms: on at 3.5 ms, off at 5.6 ms.
     let timed = Action::Timed { delay_ns: 3_000_000, duration_ns: 2_100_000 };
-    let mut slow = register(vec![tappet(1, 50.0, Passage::Every, timed)], RegisterInput::default());
+    let mut slow = plain(vec![tappet(1, 50.0, Passage::Every, timed)]);
     let way = [45.0, 55.0, 60.0, 60.0, 60.0, 60.0, 60.0];
     assert_eq!(bits(&mut slow, &way), [false, false, false, false, true, true, false]);
     // Shorter than a cycle: seen in one.
     let short = Action::Timed { delay_ns: 1_100_000, duration_ns: 1000 };
-    let mut short =
-        register(vec![tappet(1, 50.0, Passage::Every, short)], RegisterInput::default());
+    let mut short = plain(vec![tappet(1, 50.0, Passage::Every, short)]);
     assert_eq!(bits(&mut short, &way), [false, false, true, false, false, false, false]);
 }
 
@@ -163,38 +148,18 @@ fn pulses_overlap() {
     assert_eq!([270, 309, 400].map(|now| bit.at(now)), [false; 3]);
 }
 
-#[test]
-fn the_bit_of_a_coupling_begins_again() {
-    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(100.0, 50.0)];
-    let on = vec![
-        tappet(1, 50.0, Passage::Every, Action::On),
-        tappet(2, 60.0, Passage::Every, Action::On),
-    ];
-    let table = CamTable::new(cam(&knots, on));
-    let start = || started(table.clone(), CamInput::default(), at(0.0), at(0.0));
-    for (reset, expected) in [(true, false), (false, true)] {
-        let mut value = TappetValue::new(1, false, reset);
-        let mut coupling = start();
-        assert!(!value.step(&coupling.output().tappets));
-        assert!(value.step(&coupling.step(&at(55.0), CYCLE_NS).expect("somewhere").tappets));
-        assert_eq!(value.step(&start().output().tappets), expected);
-        assert_eq!(value.value(), expected);
-        assert!(TappetValue::new(1, true, reset).step(&start().output().tappets), "bInitValue");
-    }
-}
-
 /// 10 passes of a rotary master over a cam of half its turn.
 #[test]
 fn passes_over_the_end() {
-    let input = RegisterInput { master_period: Some(720.0), ..RegisterInput::default() };
-    let invert = vec![tappet(1, 0.0, Passage::Positive, Action::Invert)];
-    let mut register = register(invert, input);
+    let mut switched = plain(vec![tappet(1, 0.0, Passage::Positive, Action::Invert)]);
+    switched.table.master_period = Some(720.0);
     let mut ends = 0;
     let way = (0..=720_i32).map(|step| (f64::from(step) * 5.0 % 720.0, 0.0));
-    assert_eq!(changes(&mut register.clone(), way.clone()), 10);
+    assert_eq!(changes(&mut switched.clone(), way.clone()), 10);
     for (cycle, (position, _)) in (0..).zip(way) {
-        register.step(position, 0.0, cycle * CYCLE_NS);
-        ends += i32::from(register.end_of_profile());
+        switched.step(at(position), cycle * CYCLE_NS);
+        let coupling = switched.coupling.as_ref().expect("it has begun");
+        ends += i32::from(coupling.output().end_of_profile);
     }
     assert_eq!(ends, 10);
 }
@@ -205,13 +170,15 @@ fn dead_time_switches_so_much_earlier() {
     for (velocity, from, scaling) in [(100.0, 0.0, 1.0), (-100.0, 360.0, 1.0), (50.0, 0.0, 2.0)] {
         for dead_time_s in [0.0, 0.05, 0.3] {
             let on = vec![tappet(1, 200.0, Passage::Every, Action::On)];
-            let input =
-                RegisterInput { dead_time_s, master_scaling: scaling, ..RegisterInput::default() };
-            let mut register = register(on, input);
+            let input = CamInput {
+                tappet_dead_time_s: dead_time_s,
+                master_scaling: scaling,
+                ..CamInput::default()
+            };
+            let mut bit = Switched::by(on, input);
             let switched = (0..4_000_i32).find(|cycle| {
                 let position = from + velocity * 1e-3 * f64::from(*cycle);
-                register.step(position, velocity, i64::from(*cycle) * CYCLE_NS);
-                register.bit(1) == Some(true)
+                bit.step(moving(position, velocity), i64::from(*cycle) * CYCLE_NS).0
             });
             let expected = (200.0 / scaling - from) / velocity - dead_time_s;
             let switched = f64::from(switched.expect("it switches")) * 1e-3;
@@ -226,8 +193,11 @@ fn dead_time_switches_so_much_earlier() {
 fn jitter_within_the_hysteresis_passes_nothing_ahead_again() {
     let counts = |place: f64, passage, hysteresis: f64, then: f64| {
         let cam = vec![tappet(1, place, passage, Action::Invert)];
-        let input = RegisterInput { dead_time_s: 0.1, hysteresis, ..RegisterInput::default() };
-        let mut register = register(cam, input);
+        let input = CamInput {
+            tappet_dead_time_s: 0.1,
+            tappet_hysteresis: hysteresis,
+            ..CamInput::default()
+        };
         // By 1 u a cycle to 50, then back and forth by 0.5 u, then on.
         let jitter = (0..40).map(|cycle| if cycle % 2 == 0 { 49.5 } else { 50.0 });
         let way = (0..=50)
@@ -240,7 +210,7 @@ fn jitter_within_the_hysteresis_passes_nothing_ahead_again() {
             before = place;
             (place, velocity)
         });
-        changes(&mut register, way)
+        changes(&mut Switched::by(cam, input), way)
     };
     for passage in [Passage::Every, Passage::Positive] {
         assert_eq!(counts(55.0, passage, 1.0, 1.0), 1);
@@ -276,19 +246,8 @@ fn braking(then: f64) -> Vec<(f64, f64)> {
 fn a_braking_master_passes_nothing_backwards() {
     let counts = |place: f64, passage, then: f64| {
         let cam = vec![tappet(1, place, passage, Action::Invert)];
-        let input = RegisterInput { dead_time_s: 0.1, ..RegisterInput::default() };
-        let mut register = register(cam.clone(), input);
         let input = CamInput { tappet_dead_time_s: 0.1, ..CamInput::default() };
-        let way = braking(then);
-        let start = moving(way[0].0, way[0].1);
-        let mut coupling = started(CamTable::new(still(cam)), input, start, at(0.0));
-        let acts = (0..).zip(&way).map(|(cycle, (position, velocity))| {
-            let shown = coupling.step(&moving(*position, *velocity), cycle * CYCLE_NS);
-            shown.expect("somewhere").tappets.triggers().count()
-        });
-        let coupled = acts.sum::<usize>();
-        assert_eq!(changes(&mut register, way), coupled, "both the same");
-        coupled
+        changes(&mut Switched::by(cam, input), braking(then))
     };
     // 10 u ahead at 100 u/s it has been seen up to 20; it rests at 12.5.
     for (place, passage, then, expected) in [
@@ -316,30 +275,11 @@ proptest! {
         sorted.extend([0.0, 1000.0]);
         sorted.sort_by(f64::total_cmp);
         let invert = vec![tappet(1, place, Passage::Positive, Action::Invert)];
-        let mut register = register(invert, RegisterInput::default());
-        let bit = *bits(&mut register, &sorted).last().expect("cycles");
+        let bit = *bits(&mut plain(invert), &sorted).last().expect("cycles");
         let passages = (0..3).filter(|pass| {
             let at = place + 360.0 * f64::from(*pass);
             at > 0.0 && at <= 1000.0
         });
         prop_assert_eq!(bit, passages.count() % 2 == 1);
-    }
-}
-
-/// 600 and 601 (`SMC_CAMRegister`, manual 9.3); `bTappet` is an array from 1 to `MAX_NUM_TAPPETS` (5.5).
-#[test]
-fn registers_without_bits_to_switch_are_refused() {
-    let new = |groups: &[i16], max_num_tappets: Option<i16>| {
-        let on = |group: &i16| tappet(*group, 10.0, Passage::Every, Action::On);
-        let input = RegisterInput { max_num_tappets, ..RegisterInput::default() };
-        let cam = still(groups.iter().map(on).collect());
-        CamRegister::new(cam, input).map(|_| ()).map_err(|error| error.number())
-    };
-    assert_eq!(new(&[], None), Err(600));
-    assert_eq!(new(&[], Some(8)), Err(600));
-    assert_eq!(new(&[1, 8], Some(8)), Ok(()));
-    for wrong in [9, 0, -1] {
-        assert_eq!(new(&[1, wrong], Some(8)), Err(601), "{wrong}");
-        assert_eq!(new(&[1, wrong], None), Ok(()), "{wrong}");
     }
 }

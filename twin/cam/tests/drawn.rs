@@ -4,7 +4,7 @@ use super::found::{LIFT, cam, using};
 use crate::cam::check::AxisLimits;
 use crate::cam::picture::{Recorded, Shown, cam_chart, on_stretches};
 use std::sync::Arc;
-use twin_cam::{CamCoupling, CamInput, CamTable, TappetValue};
+use twin_cam::{CamCoupling, CamInput, CamTable, TappetBit};
 use twin_machine::cam_file::CamFile;
 use twin_profile::State;
 
@@ -125,7 +125,7 @@ fn of_a_run(file: &CamFile, scaling: f64) -> Vec<Vec<(f64, bool)>> {
     let input = CamInput { master_scaling: scaling, master_offset: begin, ..CamInput::default() };
     let table = CamTable::new(Arc::new(file.cam.clone()));
     let mut run = CamCoupling::start(table, input, &at(0.0), &at(0.0), 0).expect("on the cam");
-    let mut bit = TappetValue::new(3, false, false);
+    let mut bit = TappetBit::default();
     let mut passes = Vec::new();
     let mut now_ns = 0;
     for pass in 0..3 {
@@ -135,8 +135,12 @@ fn of_a_run(file: &CamFile, scaling: f64) -> Vec<Vec<(f64, bool)>> {
             now_ns += 1_000_000;
             // The master goes forwards, and the cam the way of the scaling.
             let way = f64::from(pass) * 360.0 + along;
-            let told = run.step(&State::resting(way), now_ns).expect("somewhere").tappets;
-            found.push((if scaling < 0.0 { 360.0 - along } else { along }, bit.step(&told)));
+            let acted = run.step(&State::resting(way), now_ns).expect("somewhere").tappets;
+            for trigger in acted.triggers().filter(|trigger| trigger.group == 3) {
+                bit.take(trigger);
+            }
+            let place = if scaling < 0.0 { 360.0 - along } else { along };
+            found.push((place, bit.at(acted.now_ns)));
         }
         passes.push(found);
     }

@@ -24,7 +24,7 @@ pub(super) fn tappets(random: &mut Random) -> Vec<Tappet> {
 
 /// Watch over a cam and what its tappets switch.
 pub(super) struct OnCam {
-    value: TappetValue,
+    bit: TappetBit,
     passed: Option<Passed>,
     /// When a pulse was begun last, and whether it has been seen.
     begun_ns: i64,
@@ -108,8 +108,8 @@ impl Passed {
 
 impl OnCam {
     pub(super) fn new() -> Self {
-        let value = TappetValue::new(1, false, false);
-        Self { value, passed: None, begun_ns: 0, read_ns: 0, unseen: false, ramp: None }
+        let bit = TappetBit::default();
+        Self { bit, passed: None, begun_ns: 0, read_ns: 0, unseen: false, ramp: None }
     }
 
     /// Tappets act in the cycle in which the master passes them, and no pulse is lost or hangs.
@@ -151,7 +151,7 @@ impl OnCam {
                 self.unseen = true;
             }
         }
-        let on = self.value.step(data);
+        let on = switched(&mut self.bit, data);
         let after = now - self.begun_ns;
         self.unseen &= !(on && after >= DELAY_NS);
         // A pulse shows for a cycle at least; one that ended unseen shows until it is read.
