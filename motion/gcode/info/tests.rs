@@ -1,4 +1,4 @@
-//! Tests of key figures, listing and viewer.
+//! Tests of key figures, listing and shown blocks.
 
 use super::*;
 use crate::decode::Rule;
@@ -92,35 +92,6 @@ fn blocks_are_shown_without_what_says_nothing() {
     for nothing in ["", "  \r\n", "(only a comment)", "; x"] {
         assert_eq!(shown(nothing), None, "{nothing:?}");
     }
-}
-
-#[test]
-fn the_running_line_comes_first() {
-    let mut viewer = GCodeViewer::new(4);
-    for line in [2, 4, 5, 4] {
-        viewer.push(line, format!("G1 X{line}")).unwrap();
-    }
-    let lines = |viewer: &GCodeViewer| viewer.lines().map(|(line, _)| line).collect::<Vec<_>>();
-    viewer.run(4).unwrap();
-    assert_eq!(viewer.lines().next(), Some((4, "G1 X4")));
-    assert_eq!(lines(&viewer), [4, 5, 4]);
-    // The same line again, after a jump back.
-    viewer.run(5).unwrap();
-    viewer.run(4).unwrap();
-    assert_eq!(lines(&viewer), [4]);
-}
-
-/// Errors 1300 and 1302.
-#[test]
-fn viewer_errors() {
-    let mut viewer = GCodeViewer::new(2);
-    assert_eq!(viewer.run(1), Err(ViewerError::UnknownLine(1)));
-    viewer.push(1, "G1".to_owned()).unwrap();
-    viewer.push(2, "G1".to_owned()).unwrap();
-    assert_eq!(viewer.push(3, "G1".to_owned()), Err(ViewerError::BufferTooSmall(2)));
-    assert_eq!(viewer.run(1), Err(ViewerError::UnknownLine(1)));
-    assert_eq!(viewer.lines().count(), 2);
-    assert_eq!(viewer.run(3), Ok(()));
 }
 
 /// Manual 7: number, line, type, start, end, dVel, dVelEnd.
