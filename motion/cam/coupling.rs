@@ -6,14 +6,12 @@
 
 use super::knot::Derivatives;
 use super::passage::{Lead, LookAhead, Move, Watch};
-use super::reference::Cam;
 use super::selection::{CamInput, CamTable, StartMode};
 use super::tappet::Tappet;
 use super::unwrap::Unwrap;
 use crate::coupling_output::check;
 pub use crate::coupling_output::{Coupled, CouplingError, MAX_TRIGGERS, TappetData};
 use crate::ramp_in::{RampIn, RampInLimits};
-use std::sync::Arc;
 use twin_profile::State;
 
 /// A slave on its cam, cycle by cycle.
@@ -246,31 +244,6 @@ impl CamCoupling {
             velocity: self.output.slave.velocity - slave.velocity,
             acceleration: self.output.slave.acceleration - slave.acceleration,
         }
-    }
-
-    /// Follows an edited cam from the next cycle on (manual 4.5): elements and tappets may be moved, but there must be as
-    /// many. The slave jumps if the cam has been changed where it is. Tappets forget that the master is on them.
-    ///
-    /// # Errors
-    /// [`CouplingError::OtherSize`] if the cam has other numbers of them; the old one goes on then.
-    #[doc(alias = "SMC_CAMEditor")]
-    #[doc(alias = "SMC_CAMVisu")]
-    pub fn exchange(&mut self, cam: Arc<Cam>) -> Result<(), CouplingError> {
-        let old = &self.table.cam;
-        for (what, found, expected) in [
-            ("elements", cam.shape().len(), old.shape().len()),
-            ("tappets", cam.tappets().len(), old.tappets().len()),
-        ] {
-            if found != expected {
-                return Err(CouplingError::OtherSize { what, found, expected });
-            }
-        }
-        self.watch = Watch::of(&cam, self.input.tappet_hysteresis, self.table.periodic);
-        if self.table.periodic {
-            (_, self.passes) = cam.curve().wrap(self.x);
-        }
-        self.table.cam = cam;
-        Ok(())
     }
 
     /// Lets the slave go (`MC_CamOut`): it moves on with this velocity, u/s.

@@ -77,16 +77,6 @@ pub enum CouplingError {
         /// Its value.
         value: f64,
     },
-    /// A cam that runs may only be exchanged for one with as many elements and tappets (manual 4.5).
-    #[error("the cam has {found} {what}, the one that runs {expected}")]
-    OtherSize {
-        /// Elements or tappets.
-        what: &'static str,
-        /// Number in the new cam.
-        found: usize,
-        /// Number in the old cam.
-        expected: usize,
-    },
 }
 
 impl CouplingError {
@@ -95,7 +85,7 @@ impl CouplingError {
         match self {
             Self::MasterOutOfRange { .. } => Some(626),
             Self::RampNeedsValues { .. } => Some(627),
-            Self::NotFinite { .. } | Self::OtherSize { .. } => None,
+            Self::NotFinite { .. } => None,
         }
     }
 }

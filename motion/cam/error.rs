@@ -81,9 +81,6 @@ pub enum CamError {
         /// Master position of the scale.
         scale: f64,
     },
-    /// A table is to become points and lines.
-    #[error("a table has no points and lines; only polynomial cams come back from a running cam")]
-    NoElements,
     /// A value does not fit the type of a table's variables.
     #[error("value {index}: {} does not fit {kind} ({} to {})", Short(*.value), Short(*.min), Short(*.max))]
     OutsideType {

@@ -37,7 +37,6 @@ mod coupling;
 mod coupling_output;
 mod curve;
 mod curve_distance;
-mod decompile;
 mod error;
 pub mod file;
 mod jerk_limited_ramp_in;

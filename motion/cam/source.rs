@@ -117,7 +117,7 @@ pub enum Compile {
 }
 
 /// Values of two elements that meet are the same within this part of themselves.
-pub(super) const SAME: f64 = 1e-9;
+const SAME: f64 = 1e-9;
 
 impl Source {
     /// A cam over one turn of the master, with nothing on it.

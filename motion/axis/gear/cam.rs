@@ -180,6 +180,5 @@ fn number(error: CouplingError) -> SmcError {
         CouplingError::MasterOutOfRange { .. } => SmcError::CiMasterOutOfScale,
         CouplingError::RampNeedsValues { .. } => SmcError::CiRampinNeedsVelaccValues,
         CouplingError::NotFinite { .. } => SmcError::CiScalingIncorrect,
-        CouplingError::OtherSize { .. } => SmcError::CiNoCamSelected,
     }
 }

@@ -212,18 +212,6 @@ fn rotary_slaves_are_ramped_in_their_direction() {
     }
 }
 
-#[test]
-fn an_edited_cam_is_followed() {
-    let table = CamTable::new(straight());
-    let mut coupling = started(table, CamInput::default(), at(50.0), at(25.0));
-    let steep = |master: f64| Knot { velocity: 0.8, ..Knot::at_rest(master, master * 0.8) };
-    coupling.exchange(cam(&[steep(0.0), steep(100.0)])).expect("as many points");
-    assert_eq!(coupling.step(&at(50.0), CYCLE_NS).expect("somewhere").slave.position, 40.0);
-    let more = cam(&[steep(0.0), steep(50.0), steep(100.0)]);
-    let refused = CouplingError::OtherSize { what: "elements", found: 3, expected: 2 };
-    assert_eq!(coupling.exchange(more), Err(refused));
-}
-
 /// Tappets of a cycle beyond the reported ones are counted.
 #[test]
 fn tappets_of_a_cycle() {

@@ -179,33 +179,3 @@ fn lines_get_only_their_ends() {
     let cam = line.compile(table(2)).expect("a cam");
     assert_eq!(cam.curve().at(30.0).position, 15.0);
 }
-
-/// Moved while it runs and read back (manual 4.5): elements, tappets and curve are those of what is edited.
-#[test]
-fn a_running_cam_comes_back() {
-    let mut edited = source();
-    edited.insert_tappet(Tappet {
-        group: 1,
-        master: 90.0,
-        passage: Passage::Every,
-        action: Action::On,
-    });
-    let cam = edited.compile(Compile::Polynomial).expect("a cam");
-    let mut back = edited.loaded(&cam).expect("a polynomial");
-    assert_eq!(
-        (&back.name, &back.master, &back.tappets),
-        (&edited.name, &edited.master, &edited.tappets)
-    );
-    // The end of a periodic cam is its begin, whatever it was edited to.
-    let end = Element::Point(Knot::at_rest(360.0, 0.0));
-    assert_eq!((&back.elements[..3], back.elements.last()), (&edited.elements[..3], Some(&end)));
-    // Moved once more, it is as large as before, and has the point where it was moved to.
-    back.elements[2] = Element::Point(Knot::at_rest(210.0, 95.0));
-    let moved = back.compile(Compile::Polynomial).expect("a cam");
-    assert_eq!(moved.shape().len(), cam.shape().len());
-    assert!((moved.curve().at(210.0).position - 95.0).abs() < 1e-12);
-    assert!((moved.curve().at(75.0).position - 32.5).abs() < 1e-12);
-    // Tables do not come back.
-    let cam = edited.compile(table(20)).expect("a cam");
-    assert_eq!(edited.loaded(&cam), Err(CamError::NoElements));
-}
