@@ -5,7 +5,8 @@
 //! come in the order in which the master makes them, each with its time, interpolated between the cycles.
 //!
 //! The manual defines passages only, and gives the bit an initial value (`bInitValue`, 5.5). So a master that is on a
-//! tappet when the cam begins (`MC_CamIn`) has not passed it: the tappet acts when the master reaches it again, on a periodic cam at the begin of the next pass. [`Tappet::is_at`] finds them.
+//! tappet when the cam begins (`MC_CamIn`) has not passed it: the tappet acts when the master reaches it again, on a
+//! periodic cam at the begin of the next pass. [`Tappet::is_at`] finds them.
 //!
 //! On a periodic cam the end of one pass and the begin of the next are one place. A pass is over before the next one
 //! begins: forwards the tappets at the end act first, backwards those at the begin.

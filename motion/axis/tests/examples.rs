@@ -105,7 +105,8 @@ fn move_velocity_and_move_absolute_in_turn() {
     }
 }
 
-/// 11.5: a virtual axis of 10 u that turns at 1 u/s, the time, leads a linear drive through a periodic cam with an inverting tappet.
+/// 11.5: a virtual axis of 10 u that turns at 1 u/s, the time, leads a linear drive through a periodic cam with an
+/// inverting tappet.
 #[test]
 fn a_cam_over_a_virtual_time_axis() {
     let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(4.0, 100.0), Knot::at_rest(10.0, 0.0)];
