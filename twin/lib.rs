@@ -5,6 +5,7 @@
 //! ```
 //! use twin::check::{CheckOptions, check};
 //! use twin::finding::{Rule, unfit};
+//! use twin::limit::Limits;
 //! use twin::program::{Dialect, ProgramFile};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -14,9 +15,10 @@
 //! let checked = |text: &str| -> Result<_, Box<dyn std::error::Error>> {
 //!     std::fs::write(file.path(), text)?;
 //!     let program = ProgramFile::new(file.path(), Some(Dialect::Din66025), Default::default())?;
-//!     Ok(check(&machine, &program, CheckOptions::default(), &mut |_| {})?)
+//!     let options = CheckOptions { limits: Limits::Programmed, ..CheckOptions::default() };
+//!     Ok(check(&machine, &program, options, &mut |_| {})?)
 //! };
-//! // 40 mm at 50 mm/s and 500 mm/s² take 0.8 s + 0.1 s.
+//! // By F and E alone, 40 mm at 50 mm/s and 500 mm/s² take 0.8 s + 0.1 s.
 //! let near = checked("% near\nN10 G1 X340 F50 E500 E-500\n")?;
 //! assert!(!unfit(&near.findings));
 //! assert!((near.length - 0.04).abs() < 1e-12 && near.duration_ns / 1_000_000 == 900);

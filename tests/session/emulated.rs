@@ -296,7 +296,7 @@ fn a_board_follows_by_segments() {
     let buffered = "kind = \"interpcnc\"\nfollowing = \"buffered\"\nstart_stop_hz = 2000";
     let machine = machine(&text.replace("kind = \"interpcnc\"", buffered));
     let program = Program::new("% lines\nN10 G1 X8 Y4 F40 E400 E-400\nN20 G1 X0 Y8 Z-35\n");
-    let options = CheckOptions { drives: true, ..CheckOptions::default() };
+    let options = CheckOptions { limits: program.limits, drives: true, ..CheckOptions::default() };
     let checked = twin::check::check(&machine, &program.file, options, &mut |_| {}).unwrap();
     let predicted = checked.following.unwrap();
     let outcome = run(&machine, &program, |_, _, _| {});
@@ -318,7 +318,7 @@ fn a_board_follows_by_segments() {
 fn a_run_is_as_far_from_its_plan_as_was_predicted() {
     let machine = portal();
     let program = Program::new(CIRCLES);
-    let options = CheckOptions { drives: true, ..CheckOptions::default() };
+    let options = CheckOptions { limits: program.limits, drives: true, ..CheckOptions::default() };
     let checked = twin::check::check(&machine, &program.file, options, &mut |_| {}).unwrap();
     let predicted = checked.following.unwrap();
     let outcome = run(&machine, &program, |_, _, _| {});

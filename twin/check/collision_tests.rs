@@ -2,6 +2,7 @@
 
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity};
+use crate::limit::Limits;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use std::path::Path;
@@ -17,8 +18,8 @@ fn checked(machine: &str, program: &str, physics: bool) -> Outcome {
     let path = folder.path().join("program.ngc");
     std::fs::write(&path, program).unwrap();
     let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
-    check(&machine, &program, CheckOptions { physics, ..CheckOptions::default() }, &mut |_| {})
-        .unwrap()
+    let options = CheckOptions { limits: Limits::Programmed, physics, ..CheckOptions::default() };
+    check(&machine, &program, options, &mut |_| {}).unwrap()
 }
 
 fn collisions(outcome: &Outcome, severity: Severity) -> Vec<&Finding> {

@@ -4,6 +4,7 @@ use super::following::Follower;
 use super::{CheckOptions, Outcome, check, wire_rates};
 use crate::finding::{Finding, Rule, Severity};
 use crate::in_loop::DrivesInLoop;
+use crate::limit::Limits;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::AxisSetpoint;
@@ -161,7 +162,7 @@ fn checked(text: &str, program: &str, drives: bool) -> Outcome {
     let path = folder.path().join("program.ngc");
     std::fs::write(&path, program).unwrap();
     let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
-    let options = CheckOptions { drives, ..CheckOptions::default() };
+    let options = CheckOptions { limits: Limits::Programmed, drives, ..CheckOptions::default() };
     check(&machine(text), &program, options, &mut |_| {}).unwrap()
 }
 

@@ -120,7 +120,8 @@ fn a_program_continues_where_the_one_before_ended() {
     }
     // One that begins there bridges nothing.
     let near = checked(GANTRY3, "% near\nN10 G92 X40 Y100\nN20 G1 X50 F100\n");
-    let options = CheckOptions { continues: near.end, ..CheckOptions::default() };
+    let options =
+        CheckOptions { limits: Limits::Programmed, continues: near.end, ..CheckOptions::default() };
     let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();
     assert!(outcome.findings.is_empty(), "{:#?}", outcome.findings);
 }

@@ -2,6 +2,7 @@
 
 use super::{CheckOptions, Outcome, check};
 use crate::finding::{Rule, Severity};
+use crate::limit::Limits;
 use crate::program::inputs::{InputAt, Workpiece};
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
@@ -18,7 +19,8 @@ pub(super) fn checked(text: &str, settings: ReadSettings) -> Outcome {
     let path = folder.path().join("program.cnc");
     std::fs::write(&path, text).unwrap();
     let program = ProgramFile::new(&path, Some(Dialect::Din66025), settings).unwrap();
-    check(&machine, &program, CheckOptions::default(), &mut |_| {}).unwrap()
+    let options = CheckOptions { limits: Limits::Programmed, ..CheckOptions::default() };
+    check(&machine, &program, options, &mut |_| {}).unwrap()
 }
 
 fn duration(text: &str, changes: &[&str]) -> f64 {

@@ -47,10 +47,10 @@ pub struct CheckOptions {
 }
 
 impl Default for CheckOptions {
-    /// What a run needs to know before it moves anything.
+    /// The plan within the limits of the axes, without physics and drives: what `twin check` looks at by default.
     fn default() -> Self {
         Self {
-            limits: Limits::Programmed,
+            limits: Limits::Axes,
             physics: false,
             scenario: Scenario::default(),
             acknowledge: Acknowledge::Auto,

@@ -5,6 +5,7 @@
 use super::findings::MAX_FINDINGS;
 use super::{CheckFailure, CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity, unfit};
+use crate::limit::Limits;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use std::fmt::Write;
@@ -23,7 +24,7 @@ fn edited(text: &str, from: &str, to: &str) -> String {
 }
 
 fn examine(machine: &str, program: &str, physics: bool) -> Result<Outcome, CheckFailure> {
-    let options = CheckOptions::default();
+    let options = CheckOptions { limits: Limits::Programmed, ..CheckOptions::default() };
     let machine = Machine::parse(Path::new("machine.toml"), machine)
         .unwrap_or_else(|problems| panic!("{problems:#?}"));
     let folder = tempfile::tempdir().unwrap();
@@ -421,7 +422,12 @@ fn what_cannot_be_read_is_no_finding() {
     for path in [folder.path(), &folder.path().join("missing.cnc")] {
         let program =
             ProgramFile::new(path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
-        let failure = check(&machine, &program, CheckOptions::default(), &mut |_| {});
+        let failure = check(
+            &machine,
+            &program,
+            CheckOptions { limits: Limits::Programmed, ..CheckOptions::default() },
+            &mut |_| {},
+        );
         assert!(matches!(failure, Err(CheckFailure::Read(_))), "{failure:?}");
     }
 }
@@ -436,7 +442,13 @@ fn progress_is_reported_to_the_end_of_the_file() {
     let program =
         ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
     let mut reported = Vec::new();
-    check(&machine, &program, CheckOptions::default(), &mut |at| reported.push(at.bytes)).unwrap();
+    check(
+        &machine,
+        &program,
+        CheckOptions { limits: Limits::Programmed, ..CheckOptions::default() },
+        &mut |at| reported.push(at.bytes),
+    )
+    .unwrap();
     assert!(reported.is_sorted() && reported.len() >= 2, "{reported:?}");
     assert_eq!(reported.last(), Some(&Some(program.size().unwrap())));
 }

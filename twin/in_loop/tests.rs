@@ -2,6 +2,7 @@
 
 use crate::check::{CheckOptions, Outcome, check, wire_rates};
 use crate::finding::{Rule, Severity, unfit};
+use crate::limit::Limits;
 use crate::peak::AxisPeak;
 use crate::plant::Plant;
 use crate::program::settings::ReadSettings;
@@ -211,7 +212,8 @@ fn checked_on(machine: &Machine, program: &str) -> Outcome {
     let path = folder.path().join("program.ngc");
     std::fs::write(&path, program).unwrap();
     let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
-    let options = CheckOptions { physics: true, ..CheckOptions::default() };
+    let options =
+        CheckOptions { limits: Limits::Programmed, physics: true, ..CheckOptions::default() };
     check(machine, &program, options, &mut |_| {}).unwrap()
 }
 
@@ -320,7 +322,12 @@ fn a_probe_that_does_not_arrive_is_told() {
     let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
     let machine = machine(VICE);
     let scenario = twin_machine::Scenario::parse(faults, &machine).unwrap();
-    let options = CheckOptions { physics: true, scenario, ..CheckOptions::default() };
+    let options = CheckOptions {
+        limits: Limits::Programmed,
+        physics: true,
+        scenario,
+        ..CheckOptions::default()
+    };
     let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();
     let miss = outcome.findings.iter().find(|one| one.message.contains("does not touch")).unwrap();
     assert_eq!((miss.line, miss.rule, miss.severity), (4, Rule::Probe, Severity::Error));

@@ -2,6 +2,7 @@
 
 use crate::check::{CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity};
+use crate::limit::Limits;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ElementItem, ProgramFile};
 use twin_gcode::rs274::{Position, ProbePath, ProbeTarget, Surroundings};
@@ -31,7 +32,7 @@ fn with_program<T>(text: &str, use_it: impl FnOnce(&ProgramFile) -> T) -> T {
 }
 
 fn checked(machine: &Machine, program: &str, physics: bool) -> Outcome {
-    let options = CheckOptions { physics, ..CheckOptions::default() };
+    let options = CheckOptions { limits: Limits::Programmed, physics, ..CheckOptions::default() };
     with_program(program, |program| check(machine, program, options, &mut |_| {}).unwrap())
 }
 

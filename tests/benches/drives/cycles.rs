@@ -84,7 +84,8 @@ fn run() -> Punctuality {
     std::fs::write(&path, PROGRAM).expect("a file in it");
     let program = ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default())
         .expect("a known dialect");
-    let outcome = check(&machine, &program, CheckOptions::default(), &mut |_| {}).expect("a file");
+    let options = CheckOptions { limits: Limits::Programmed, ..CheckOptions::default() };
+    let outcome = check(&machine, &program, options, &mut |_| {}).expect("a file");
     let start = outcome.start.expect("a program that moves");
     let connected = connect(&machine).expect("an emulated board");
     let (emulators, attached): (Vec<_>, Vec<_>) = connected.into_iter().unzip();
