@@ -98,10 +98,10 @@ fn print(machine: &str, factor: &str, attempts: &mut [Attempt]) {
 /// The override becomes `factor` at `time`, s, of the program; none if that is over by then.
 fn attempt(machine: Machine, factor: f64, time: f64) -> Option<Attempt> {
     let elements = program(machine).into_iter().map(Ok::<_, CheckError>);
-    let course = BlendOptions { order: Order::Acceleration, ..BlendOptions::new(1e-5) };
+    let blending = BlendOptions { order: Order::Acceleration, ..BlendOptions::new(1e-5) };
     let path = machine.path(true);
     let mut planner =
-        Planner::new(CheckVelocities::new(elements, PI), path, LimitOptions::new(course));
+        Planner::new(CheckVelocities::new(elements, PI), path, LimitOptions::new(blending));
     let mut ahead: VecDeque<(f64, Planned)> = VecDeque::new();
     let mut end = 0.0;
     while end < time + LEAD + AHEAD {

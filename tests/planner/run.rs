@@ -33,12 +33,12 @@ pub struct Settings {
 
 impl Settings {
     pub fn options(&self) -> LimitOptions {
-        let mut course = BlendOptions::new(self.tolerance);
+        let mut blending = BlendOptions::new(self.tolerance);
         if self.machine.turns() {
-            course.turning = true;
-            course.order = if self.jerk { Order::Jerk } else { Order::Acceleration };
+            blending.turning = true;
+            blending.order = if self.jerk { Order::Jerk } else { Order::Acceleration };
         }
-        let options = LimitOptions::new(course);
+        let options = LimitOptions::new(blending);
         LimitOptions { horizon: self.horizon, ..options }
     }
 }

@@ -204,8 +204,8 @@ impl<'m> MachinePath<'m> {
         speeds.fold((f64::INFINITY, 0), |least, one| if one.0 < least.0 { one } else { least })
     }
 
-    /// The direction of the tool with three derivatives at `s` of `element`, where the course is at `point`, rad in the work
-    /// frame.
+    /// The direction of the tool with three derivatives at `s` of `element`, where the blended path is at `point`, rad in the
+    /// work frame.
     fn direction(&self, element: &BlendedElement, s: f64, point: &BlendedPoint) -> [f64; 4] {
         match (self.machine.direction, &point.extra) {
             (DirectionRule::Path(to_path, angle), _) => {

@@ -78,11 +78,11 @@ where
 {
     let axes = MachinePath::new(machine, rules.axes)?;
     let limits = &machine.path_limits;
-    let mut course = BlendOptions::new(limits.blend_tolerance);
-    course.turning = matches!(machine.direction, DirectionRule::Path(..));
+    let mut blending = BlendOptions::new(limits.blend_tolerance);
+    blending.turning = matches!(machine.direction, DirectionRule::Path(..));
     let jerk_limited = axes.limits().iter().any(|axis| axis.jerk.is_some());
     // The direction of the path is a derivative already.
-    course.order = match (jerk_limited, course.turning) {
+    blending.order = match (jerk_limited, blending.turning) {
         (false, false) => Order::Velocity,
         (true, false) | (false, true) => Order::Acceleration,
         (true, true) => Order::Jerk,
@@ -92,7 +92,7 @@ where
         path_acceleration: rules.path_acceleration,
         tool_acceleration: limits.tool_acceleration.filter(|_| rules.tool_acceleration),
         centripetal: rules.centripetal(machine),
-        ..LimitOptions::new(course)
+        ..LimitOptions::new(blending)
     };
     let mut planner = Planner::new(path, axes, options);
     planner.set_override(factor);

@@ -45,16 +45,16 @@ impl Sample {
         self.cap.v2
     }
 
-    /// The largest acceleration, jerk and velocity, of any axis and along the path, where the motion is that of `stretch` at
+    /// The largest acceleration, jerk and velocity, of any axis and along the path, where the motion is that of `segment` at
     /// `u`, each as a part of the limit.
     pub(super) fn excess(
         &self,
         limits: &[AxisLimits],
-        stretch: &ProfileSegment,
+        segment: &ProfileSegment,
         u: f64,
     ) -> [f64; 3] {
-        let (b, a) = stretch.at_position(u);
-        let (v, jerk) = (b.sqrt(), stretch.jerk_at(u));
+        let (b, a) = segment.at_position(u);
+        let (v, jerk) = (b.sqrt(), segment.jerk_at(u));
         let Rates { first, second, third } = &self.rates;
         let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
         let along = self.along.iter().map(|row| row.a * a + row.b * b);

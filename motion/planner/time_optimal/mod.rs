@@ -1,7 +1,7 @@
 //! Time-optimal planning (feed limiting): the fastest motion along a path under the limits of every axis.
 //!
 //! ```text
-//! CheckedElement ─ course (C²) ─ samples of the axes ─ grid, uniform in time ─ windows ─▶ stretches in time
+//! CheckedElement ─ blended path (C²) ─ samples of the axes ─ grid, uniform in time ─ windows ─▶ profile segments
 //! ```
 //!
 //! [`crate::blended_path`] blends the joints of the path within a tolerance. [`Grid`] holds the limits along it. [`reachable`]
