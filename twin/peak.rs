@@ -43,6 +43,12 @@ pub struct AxisPeak {
 }
 
 impl AxisPeak {
+    /// Takes a range of positions, m or rad.
+    pub(crate) fn include_position(&mut self, [low, high]: [f64; 2]) {
+        let [least, most] = self.position.unwrap_or([low, high]);
+        self.position = Some([least.min(low), most.max(high)]);
+    }
+
     /// Takes an acceleration of `axis`, at which its speed falls if it `slows`.
     pub fn include_acceleration(&mut self, axis: &Axis, slows: bool, value: f64, place: Place) {
         if axis.own_deceleration().is_some() {

@@ -96,6 +96,11 @@ impl<'m> Transformer<'m> {
         Self { near: start, continues: true, ..Self::new(machine) }
     }
 
+    /// The axes have come to `near` since the last set-point, m or rad.
+    pub(crate) fn continue_at(&mut self, near: AxisVector) {
+        self.near = near;
+    }
+
     /// True before the first set-point of a program that begins where another one ended.
     pub(crate) fn continues(&self) -> bool {
         self.continues

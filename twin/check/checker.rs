@@ -25,6 +25,7 @@ use twin_number::seconds;
 use twin_path::EXTRA_AXES;
 use twin_path::Place;
 use twin_planner::controller::ToolSetpoint;
+use twin_planner::planned_motion::PlannedPiece;
 
 /// Checker of every set-point.
 #[derive(Debug)]
@@ -49,6 +50,8 @@ pub(super) struct Checker<'m> {
     jumps: CamJumps<'m>,
     /// Where the plan is known piece by piece.
     pieces: Option<PieceCheck<'m>>,
+    /// Set-points of which the pieces say everything are left out.
+    leaves_out: bool,
     /// Findings say which feed would do.
     feeds: bool,
     /// Additional axes that the machine does not have, each reported once.
@@ -77,6 +80,7 @@ impl<'m> Checker<'m> {
             turning: turning_axes(machine),
             jumps: CamJumps::new(machine),
             pieces: None,
+            leaves_out: false,
             feeds: true,
             reported_missing: [false; EXTRA_AXES.len()],
         }
@@ -95,13 +99,18 @@ impl<'m> Checker<'m> {
         }
     }
 
-    /// Starts the check of a job or a program.
-    pub(super) fn begin(&mut self, items: &mut Planning<'_>) {
+    /// Starts the check of a job or a program. `every_cycle`: every set-point is needed, not only what the pieces of the plan
+    /// leave open.
+    pub(super) fn begin(&mut self, items: &mut Planning<'_>, every_cycle: bool) {
         if let Some(job) = items.job() {
             self.jumps.leave_out(job);
         }
         if items.record(self.turning.contains(&true)) {
             self.by_pieces();
+            if !every_cycle && self.machine.couplings.is_empty() {
+                items.leave_out_cycles();
+                self.leaves_out = true;
+            }
         }
     }
 
@@ -115,8 +124,34 @@ impl<'m> Checker<'m> {
     /// Checks the pieces of the plan that are over.
     pub(super) fn pieces(&mut self, items: &mut Planning<'_>) {
         while let Some(piece) = items.next_piece() {
-            if let Some(pieces) = &mut self.pieces {
-                pieces.take(&piece, &mut self.peaks, &mut self.findings, self.rapids);
+            let Some(pieces) = &mut self.pieces else { continue };
+            pieces.take(&piece, &mut self.peaks, &mut self.findings, self.rapids);
+            if self.leaves_out {
+                self.transformer.continue_at(pieces.near);
+                let (peaks, findings) = (&mut self.peaks, &mut self.findings);
+                self.untaken += pieces.sample(&piece, self.duration_ns, peaks, findings);
+                self.additional_axes(&piece);
+            }
+        }
+    }
+
+    /// Reports additional axes of a piece that the machine does not have.
+    fn additional_axes(&mut self, piece: &PlannedPiece) {
+        let element = piece.element.element();
+        let Some(extra) = element.extra() else { return };
+        let pairs = extra.start.iter().zip(extra.end);
+        self.missing_axes(element.place, pairs.map(|(start, end)| *start != end));
+    }
+
+    /// Reports additional axes that move and that the machine does not have, each once.
+    fn missing_axes(&mut self, place: Place, moves: impl Iterator<Item = bool>) {
+        for ((number, letter), _) in (0..).zip(EXTRA_AXES).zip(moves).filter(|(_, moves)| *moves) {
+            let reported = self.reported_missing.get_mut(usize::from(number));
+            if !self.machine.kinematics.sources().contains(&AxisSource::Additional(number))
+                && self.machine.direction.additional() != Some(number)
+                && reported.is_some_and(|reported| !std::mem::replace(reported, true))
+            {
+                self.findings.add(None, messages::no_additional_axis(place, letter));
             }
         }
     }
@@ -124,18 +159,7 @@ impl<'m> Checker<'m> {
     /// `None` if the machine cannot take this set-point.
     pub(super) fn tool(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
         self.duration_ns = tool.time_ns;
-        for (number, letter) in (0..).zip(EXTRA_AXES) {
-            let moves = tool.extra.velocity.get(usize::from(number)).is_some_and(|v| *v != 0.0);
-            let source = AxisSource::Additional(number);
-            let reported = self.reported_missing.get_mut(usize::from(number));
-            if moves
-                && !self.machine.kinematics.sources().contains(&source)
-                && self.machine.direction.additional() != Some(number)
-                && reported.is_some_and(|reported| !std::mem::replace(reported, true))
-            {
-                self.findings.add(None, messages::no_additional_axis(tool.place, letter));
-            }
-        }
+        self.missing_axes(tool.place, tool.extra.velocity.iter().map(|velocity| *velocity != 0.0));
         let setpoint = self.transformer.axes(tool, None);
         if setpoint.is_ok() && self.start.is_none() {
             for (names, groups) in self.transformer.stood_on_tappets() {
@@ -209,8 +233,7 @@ impl<'m> Checker<'m> {
                 }
                 self.findings.add(Some(About::Axis(index)), finding);
             };
-            let [low, high] = peak.position.unwrap_or([now.position; 2]);
-            peak.position = Some([low.min(now.position), high.max(now.position)]);
+            peak.include_position([now.position; 2]);
             if let Some(finding) =
                 crate::messages::beyond_position(axis, setpoint.place, now.position)
             {

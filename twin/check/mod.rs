@@ -190,7 +190,8 @@ fn checked(
     let mut way = Way::new(machine)?;
     let rules = Acknowledgement::for_check(machine, acknowledge);
     let mut items = Planning::new(machine, program, limits, rules)?;
-    checker.begin(&mut items);
+    let every_cycle = rehearsal.is_some() || way.is_some() || following.is_some();
+    checker.begin(&mut items, every_cycle);
     let (mut countdown, mut switched, mut m_calls) = (0u32, Switched::default(), BTreeSet::new());
     let (mut m_functions, mut switch_points) = (MCalls::default(), SwitchPoints::default());
     while let Some(item) = items.next() {

@@ -19,6 +19,7 @@ use twin_planner::blended_path::BlendedElement;
 use twin_planner::controller::trapezoid;
 use twin_planner::extremes::{AxisExtremes, Examiner, Extremes, Floor, Largest, Node};
 use twin_planner::planned_motion::{Piece, PlannedPiece};
+use twin_planner::time_optimal::AxisPath;
 
 /// Extremes are exact to a millionth; no more than that is above a limit.
 pub(super) const EXACT: f64 = 1.0 + 2e-6;
@@ -70,7 +71,8 @@ struct Last {
 pub(super) struct PieceCheck<'m> {
     pub(super) machine: &'m Machine,
     pub(super) path: MachinePath<'m>,
-    near: AxisVector,
+    /// Positions of the axes at the end of the last piece, m or rad.
+    pub(super) near: AxisVector,
     last: Option<Last>,
     /// Joints within the last cycle.
     joints: VecDeque<Joint>,
@@ -263,6 +265,43 @@ impl<'m> PieceCheck<'m> {
         self.edge.nearest
     }
 
+    /// Takes the last piece at its set-points behind `shown_ns`, if it leads out of reach: positions and findings. Returns how
+    /// many of them the machine cannot take.
+    pub(super) fn sample(
+        &self,
+        planned: &PlannedPiece,
+        shown_ns: i64,
+        peaks: &mut [AxisPeak],
+        findings: &mut Findings,
+    ) -> i64 {
+        let mut untaken = 0;
+        if !self.lost {
+            return untaken;
+        }
+        let place = planned.element.place();
+        let mut near = self.near;
+        for time in planned.cycles(shown_ns, self.machine.cycle_ns) {
+            let (state, _) = planned.piece.at(time);
+            let point = match self.path.axes(&planned.element, state.position, &near) {
+                Ok(point) => point,
+                Err(error) => {
+                    findings.add(None, unreachable(place, &error));
+                    untaken += 1;
+                    continue;
+                }
+            };
+            near = point.position;
+            let axes = self.machine.axes.iter().zip(peaks.iter_mut()).zip(near.iter());
+            for (index, ((axis, peak), position)) in axes.enumerate() {
+                peak.include_position([*position; 2]);
+                if let Some(finding) = beyond_position(axis, place, *position) {
+                    findings.add(Some(About::Axis(index)), finding);
+                }
+            }
+        }
+        untaken
+    }
+
     /// Nothing follows.
     pub(super) fn finish(
         &mut self,
@@ -381,8 +420,7 @@ impl<'m> PieceCheck<'m> {
         let AxisExtremes { position, velocity, acceleration, deceleration, jerk, .. } = *found;
         let [faster, harder, jerkier] = self.slack;
         if let Some([low, high]) = position {
-            let [known_low, known_high] = peak.position.unwrap_or([low, high]);
-            peak.position = Some([known_low.min(low), known_high.max(high)]);
+            peak.include_position([low, high]);
             for position in [low, high] {
                 beyond_position(axis, place, position).into_iter().for_each(&mut *report);
             }

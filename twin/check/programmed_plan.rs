@@ -21,7 +21,7 @@ pub(super) fn warning(
     let mut items = Planning::new(machine, program, Limits::Programmed, rules)?;
     let mut checker = Checker::new(machine, None, CONTROLLER, false).without_feeds();
     checker.continue_from(continues);
-    checker.begin(&mut items);
+    checker.begin(&mut items, false);
     while let Some(item) = items.next() {
         checker.pieces(&mut items);
         match item {

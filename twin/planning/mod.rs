@@ -132,6 +132,11 @@ impl<'m> Planning<'m> {
         self.source.record(turning)
     }
 
+    /// Leaves out set-points of which the pieces say everything.
+    pub(crate) fn leave_out_cycles(&mut self) {
+        self.source.leave_out_cycles();
+    }
+
     /// The next piece of the plan that is over.
     pub(crate) fn next_piece(&mut self) -> Option<PlannedPiece> {
         self.source.next_piece()

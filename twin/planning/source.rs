@@ -47,6 +47,9 @@ pub(super) trait SetpointSource<'m>: Debug {
         false
     }
 
+    /// Leaves out set-points of which the pieces say everything.
+    fn leave_out_cycles(&mut self) {}
+
     /// The next piece of the plan that is over.
     fn next_piece(&mut self) -> Option<PlannedPiece> {
         None
@@ -105,6 +108,10 @@ impl SetpointSource<'_> for Setpoints {
 
     fn record(&mut self, turning: bool) -> bool {
         Setpoints::record(self, turning)
+    }
+
+    fn leave_out_cycles(&mut self) {
+        Setpoints::leave_out_cycles(self);
     }
 
     fn next_piece(&mut self) -> Option<PlannedPiece> {

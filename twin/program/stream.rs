@@ -226,6 +226,15 @@ impl Setpoints {
         }
     }
 
+    /// Leaves out the set-points of every motion but its first where nothing changes on the way.
+    pub(crate) fn leave_out_cycles(&mut self) {
+        if let Motion::Path(path) = &mut self.motion
+            && self.changes.is_empty()
+        {
+            path.leave_out_cycles();
+        }
+    }
+
     /// The next piece of the plan that is over.
     pub(crate) fn next_piece(&mut self) -> Option<PlannedPiece> {
         match &mut self.motion {

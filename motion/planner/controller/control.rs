@@ -4,7 +4,7 @@ use super::interpolator::{Interpolator, Stop};
 use super::look_ahead::{Ahead, LookAhead};
 use super::profile::{Limits, Profile};
 use super::ramp::Smoothness;
-use super::run::Motion;
+use super::run::{Motion, Run};
 use super::spans::{Leg, Now, decide};
 use super::{Source, ToolSetpoint, VelocityMode};
 use crate::planned_motion::Instant;
@@ -35,6 +35,12 @@ where
         }
         if self.inputs.emergency_stop && self.hold() {
             return self.sample();
+        }
+        if self.leaves_out
+            && !self.attention
+            && let Some(end) = self.run.as_ref().and_then(Run::end_of_sampled)
+        {
+            self.now_ns = end.first_cycle(self.now_ns, self.cycle_ns);
         }
         loop {
             let run = self.run.as_mut()?;

@@ -81,6 +81,8 @@ pub struct Interpolator<P, E> {
     before: Point3<f64>,
     latest: Point3<f64>,
     pub(super) bearing: Bearing,
+    /// Set-points of a motion but its first are left out.
+    pub(super) leaves_out: bool,
     /// Pieces of the plan that are over, if they are recorded, and whether the tool turns with the path.
     pub(super) record: Option<(VecDeque<PlannedPiece>, bool)>,
 }
@@ -147,6 +149,7 @@ where
             before: Point3::origin(),
             latest: Point3::origin(),
             bearing: Bearing::default(),
+            leaves_out: false,
             record: None,
         }
     }
@@ -154,6 +157,12 @@ where
     /// Records the pieces of the plan from now on, with the directions of the path if the tool turns with it (`turning`).
     pub fn record(&mut self, turning: bool) {
         self.record = Some((VecDeque::new(), turning));
+    }
+
+    /// Leaves out the set-points of every motion but its first, for those who take the recorded pieces. Elements with
+    /// switches and profiles without steps of the acceleration keep all of them.
+    pub fn leave_out_cycles(&mut self) {
+        self.leaves_out = true;
     }
 
     /// The next piece of the plan that is over and was recorded.
@@ -331,6 +340,7 @@ where
     #[inline]
     pub(super) fn sample(&mut self) -> Option<ToolSetpoint> {
         let run = self.run.as_mut()?;
+        run.sampled = true;
         let state = run.state_at(self.now_ns);
         self.position = if run.done { 0.0 } else { state.position };
         self.reached = Instant::at_ns(self.now_ns);

@@ -24,6 +24,8 @@ pub(super) struct Run {
     pub(super) start: Instant,
     pub(super) end: Instant,
     pub(super) motion: Motion,
+    /// The motion has had a set-point.
+    pub(super) sampled: bool,
     /// Number of its switches that are passed.
     pub(super) switched: usize,
     /// Its end is reached, and it is not known yet what follows.
@@ -50,6 +52,7 @@ impl Run {
         self.start = start;
         self.motion = motion;
         self.recorded.1 = 0.0;
+        self.sampled = false;
         let (duration, end_velocity) = match motion {
             Motion::Along { profile, .. } => (profile.duration(), profile.end_velocity()),
             Motion::Smooth(leg) => (leg.ramp.duration(), leg.ramp.end_velocity()),
@@ -59,6 +62,16 @@ impl Run {
         if end_velocity <= 0.0 {
             self.end = self.end.settled();
         }
+    }
+
+    /// End of a motion that has had a set-point and whose other set-points nobody needs: what happens in between is known at
+    /// its end.
+    pub(super) fn end_of_sampled(&self) -> Option<Instant> {
+        let is_even = match self.motion {
+            Motion::Along { .. } | Motion::Still => true,
+            Motion::Acknowledge { .. } | Motion::Rest { .. } | Motion::Smooth(_) => false,
+        };
+        (is_even && self.sampled && self.element.switches().is_empty()).then_some(self.end)
     }
 
     /// Calls `record` with the pieces of the motion up to `until`, s after its start, that it has not been called with.

@@ -163,6 +163,7 @@ where
             start,
             end: Instant::at_ns(self.now_ns.saturating_add(time_ns)),
             motion,
+            sampled: false,
             switched: 0,
             done: false,
         });

@@ -48,6 +48,15 @@ impl Instant {
         self.ns < ns || (self.ns == ns && self.fraction <= 0.0)
     }
 
+    /// The first of the cycles `now_ns`, `now_ns` + `cycle_ns`, … at or after it.
+    pub(crate) fn first_cycle(self, now_ns: i64, cycle_ns: i64) -> i64 {
+        let end_ns = self.ns.saturating_add(i64::from(self.fraction > 0.0));
+        let left_ns = end_ns.saturating_sub(now_ns).max(0);
+        // Rounded up.
+        let cycles = left_ns / cycle_ns + i64::from(left_ns % cycle_ns > 0);
+        now_ns.saturating_add(cycles.saturating_mul(cycle_ns))
+    }
+
     /// Time from here to `ns`, s.
     #[expect(
         clippy::cast_precision_loss,

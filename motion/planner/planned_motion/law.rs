@@ -75,6 +75,14 @@ pub struct PlannedPiece {
 }
 
 impl PlannedPiece {
+    /// The cycles of `cycle_ns` behind the one at `shown_ns` that are in it, s from its start.
+    pub fn cycles(&self, shown_ns: i64, cycle_ns: i64) -> impl Iterator<Item = f64> {
+        let first = self.start.first_cycle(shown_ns.saturating_add(cycle_ns), cycle_ns);
+        let cycles = std::iter::successors(Some(first), move |ns| ns.checked_add(cycle_ns));
+        let times = cycles.map(|ns| self.start.until(ns));
+        times.take_while(|time| *time < self.piece.duration)
+    }
+
     /// When it begins, s after the start of the program.
     pub fn start(&self) -> f64 {
         self.start.seconds()

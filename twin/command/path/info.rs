@@ -36,8 +36,10 @@ pub(super) fn key_figures(job: &mut Job<'_>, out: &mut dyn Write) -> Result<(), 
 pub(super) fn duration(job: &Job<'_>) -> Result<Option<i64>, Failure> {
     let failed = |source| unreadable(job.program.path(), source);
     let setpoints = job.program.setpoints(job.conditions, None, Acknowledgement::default());
+    let mut setpoints = setpoints.map_err(failed)?;
+    setpoints.leave_out_cycles();
     let mut last_ns = None;
-    for item in setpoints.map_err(failed)? {
+    for item in setpoints {
         match item {
             ProgramItem::Setpoint(setpoint) => last_ns = Some(setpoint.time_ns),
             ProgramItem::Diagnostic(_) => {}
