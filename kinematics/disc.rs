@@ -5,7 +5,7 @@
 //! most B within the radius ρ have derivatives of at most k!·B/ρᵏ there: an exact bound of what lies between two points.
 
 use crate::{AxisVector, Pose};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 /// A tool path about one of its points: each coordinate of p(s + σ) − p(s) − p′·σ is at most ½·bend·|σ|² for complex
 /// |σ| ≤ radius, and so is the direction of the tool. Machine frame.
@@ -26,6 +26,16 @@ pub struct ToolDisc {
 }
 
 impl ToolDisc {
+    /// True if the tool moves along a straight line, evenly, and turns evenly.
+    pub(crate) fn is_even(&self) -> bool {
+        self.bend == Vector3::zeros() && self.turn_bend <= 0.0
+    }
+
+    /// True if it only rises or falls, evenly, seen from above at rest.
+    pub(crate) fn is_upright(&self) -> bool {
+        self.is_even() && self.rate.xy() == Vector2::zeros() && self.turn_rate == 0.0
+    }
+
     /// Largest motion of each coordinate of the tip within |σ| ≤ `radius`, m.
     pub fn way(&self, radius: f64) -> Vector3<f64> {
         (self.rate.abs() + self.bend * (0.5 * radius)) * radius
@@ -49,6 +59,8 @@ pub struct AxisDisc {
     pub radius: f64,
     /// Largest change of each axis within it, m or rad.
     pub change: AxisVector,
+    /// True if all axes move as evenly as the parameter.
+    pub is_even: bool,
 }
 
 /// The x above 0 at which a·x + b·x² = c, none of them negative; infinite if there is none.

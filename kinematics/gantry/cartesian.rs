@@ -99,7 +99,8 @@ impl<const N: usize> Transform<N> for Gantry<N> {
     fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
         let radius = path.radius;
         let way: [f64; 3] = path.way(radius).into();
-        Some(AxisDisc { radius, change: AxisVector::from_values(way.into_iter().take(N)) })
+        let change = AxisVector::from_values(way.into_iter().take(N));
+        Some(AxisDisc { radius, change, is_even: path.is_even() })
     }
 
     fn characteristic_length(&self) -> f64 {

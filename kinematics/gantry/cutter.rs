@@ -233,7 +233,8 @@ impl<const N: usize> Transform<N> for GantryCutter<N> {
         let swing = self.tool.xy().norm() * turn.exp_m1();
         let change = [way.x + swing, way.y + swing].into_iter();
         let change = change.chain((N == 4).then_some(way.z)).chain([turn]);
-        Some(AxisDisc { radius, change: AxisVector::from_values(change) })
+        let is_even = path.is_even() && path.turn_rate == 0.0;
+        Some(AxisDisc { radius, change: AxisVector::from_values(change), is_even })
     }
 
     fn characteristic_length(&self) -> f64 {

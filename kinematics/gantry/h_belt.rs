@@ -131,7 +131,8 @@ impl Transform<2> for GantryH2 {
     fn disc(&self, path: &ToolDisc) -> Option<AxisDisc> {
         let (radius, way) = (path.radius, path.way(path.radius));
         // Each drive goes as far as both coordinates together.
-        Some(AxisDisc { radius, change: AxisVector::from_values([way.x + way.y; 2]) })
+        let change = AxisVector::from_values([way.x + way.y; 2]);
+        Some(AxisDisc { radius, change, is_even: path.is_even() })
     }
 
     fn characteristic_length(&self) -> f64 {

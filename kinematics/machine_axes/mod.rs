@@ -398,14 +398,15 @@ impl Kinematics for MachineAxes {
         let (_, pose) = self.split(&path.pose).ok()?;
         let [rate, bend] = [&path.rate, &path.bend].map(|values| self.part_of_transform(values));
         let part = ToolDisc { pose, rate, bend, ..*path };
-        let AxisDisc { radius, change } = self.transform.disc(&part)?;
+        let AxisDisc { radius, change, is_even } = self.transform.disc(&part)?;
         // Axes of their own change as much as the tool at most; what additional axes do is unknown here.
         let change = self.sources.iter().map(|source| match *source {
             AxisSource::Transform(output) => change.get(output).copied().unwrap_or_default(),
             AxisSource::Coordinate(coordinate) => coordinate.of(&path.way(radius), 0.0),
             AxisSource::Additional(_) => 0.0,
         });
-        Some(AxisDisc { radius, change: AxisVector::from_values(change) })
+        let is_even = is_even && path.is_even();
+        Some(AxisDisc { radius, change: AxisVector::from_values(change), is_even })
     }
 
     fn characteristic_length(&self) -> f64 {

@@ -263,7 +263,8 @@ impl Transform<3> for Scara3 {
         };
         let (radius, [alpha, beta]) = self.chain.disc(&square, path.little_turn());
         let change = [alpha, beta, alpha + beta + path.turn(radius)];
-        Some(AxisDisc { radius, change: AxisVector::from_values(change) })
+        let change = AxisVector::from_values(change);
+        Some(AxisDisc { radius, change, is_even: path.is_upright() })
     }
 
     fn characteristic_length(&self) -> f64 {

@@ -256,7 +256,8 @@ impl Transform<2> for Scara2 {
             bend: path.bend.xy().norm(),
         };
         let (radius, change) = self.chain.disc(&wrist, path.radius);
-        Some(AxisDisc { radius, change: AxisVector::from_values(change) })
+        let change = AxisVector::from_values(change);
+        Some(AxisDisc { radius, change, is_even: path.is_upright() })
     }
 
     fn characteristic_length(&self) -> f64 {

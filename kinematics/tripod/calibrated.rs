@@ -451,7 +451,7 @@ impl Transform<3> for CalibratedTripod {
         let beside = middles.map(|middle| (path.pose.position.coords - middle).xy());
         let [a, b, c] = beside;
         let disc = rods_disc(path, [(a, lengths[0]), (b, lengths[1]), (c, lengths[2])]);
-        Some(AxisDisc { radius: 0.5 * disc.radius, ..disc })
+        Some(AxisDisc { radius: 0.5 * disc.radius, is_even: false, ..disc })
     }
 
     fn characteristic_length(&self) -> f64 {

@@ -184,7 +184,7 @@ pub(super) fn rods_disc(path: &ToolDisc, rods: [(Vector2<f64>, f64); 3]) -> Axis
         let height = left.max(0.0).sqrt();
         path.way(radius).z + height - (left - square.change(radius)).max(0.0).sqrt()
     });
-    AxisDisc { radius, change: AxisVector::from_values(change) }
+    AxisDisc { radius, change: AxisVector::from_values(change), is_even: path.is_upright() }
 }
 
 /// Distance of the plane through three points above `point`, along its normal.

@@ -352,16 +352,18 @@ impl AxisPath for MachinePath<'_> {
             turn_bend,
             radius,
         });
-        let AxisDisc { radius, mut change } = disc?;
+        let AxisDisc { radius, mut change, mut is_even } = disc?;
+        is_even = is_even && self.slaves.is_empty();
         let sources = self.machine.kinematics.sources().iter().zip(&self.machine.axes);
         for (slot, (source, axis)) in change.iter_mut().zip(sources) {
             if let (AxisSource::Additional(number), Some(extra)) = (*source, &point.extra) {
                 let [_, first, _, _] = of(extra, number);
                 let bend = path.extra_bend.get(usize::from(number)).copied().unwrap_or_default();
                 *slot = axis.to_si((first.abs() + 0.5 * bend * radius) * radius);
+                is_even = is_even && bend <= 0.0;
             }
         }
-        Some(AxisDisc { radius, change })
+        Some(AxisDisc { radius, change, is_even })
     }
 
     fn further_rows(&self) -> usize {

@@ -111,6 +111,11 @@ impl Slaves {
         slaves
     }
 
+    /// True if no axis is a slave.
+    pub(super) fn is_empty(&self) -> bool {
+        self.links.is_empty()
+    }
+
     /// Positions of the axes by the program alone, near `near`, which includes the motion of slaves.
     pub(super) fn without(&self, near: &AxisVector) -> AxisVector {
         let mut own = *near;

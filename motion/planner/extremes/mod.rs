@@ -103,6 +103,8 @@ pub struct Node {
     pub rates: [AxisVector; 3],
     /// Radius of the disc, s, and how far the axes change within it; none if nothing is known.
     disc: Option<(f64, AxisVector)>,
+    /// True if the axes move as evenly as the path.
+    is_even: bool,
 }
 
 /// The extremes of all axes along a piece.
@@ -224,6 +226,10 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         for node in [&first, &last] {
             found.take(node, along.floors);
         }
+        if first.is_even && last.is_even && along.piece.is_monotone() {
+            // Every value is taken at one of the ends.
+            return Ok([first, last]);
+        }
         let mut left = vec![[first, last]];
         while let Some([from, to]) = left.pop() {
             let width = to.time - from.time;
@@ -292,20 +298,22 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
             each(&|d1, d2, _| d1 * a + d2 * v * v),
             each(&|d1, d2, d3| d1 * jerk + 3.0 * d2 * v * a + d3 * v * v * v),
         ];
-        let disc = self.axes.disc(element, s, &point).map(|disc| {
+        let disc = self.axes.disc(element, s, &point);
+        let is_even = disc.is_some_and(|disc| disc.is_even);
+        let disc = disc.map(|disc| {
             let [time, way] = piece.law.time_for(&state, jerk, disc.radius);
             // By Schwarz's lemma the axes change by no more than this part within it.
             let part = if disc.radius > 0.0 { way / disc.radius } else { 0.0 };
             (time, AxisVector::from_values(disc.change.iter().map(|change| change * part)))
         });
-        Ok(Node { time, position, rates, disc })
+        Ok(Node { time, position, rates, disc, is_even })
     }
 }
 
 impl Node {
     fn resting(position: AxisVector) -> Self {
         let zero = AxisVector::zeros(position.len());
-        Self { time: 0.0, position, rates: [zero; 3], disc: None }
+        Self { time: 0.0, position, rates: [zero; 3], disc: None, is_even: false }
     }
 }
 

@@ -107,6 +107,13 @@ impl Piece {
         }
     }
 
+    /// True if acceleration, velocity and jerk along the path are largest at its ends: constant jerk, or acceleration linear in
+    /// the path length, and a velocity that only grows or only falls.
+    pub(crate) fn is_monotone(&self) -> bool {
+        let [from, to] = [0.0, self.duration].map(|time| self.at(time).0.acceleration);
+        !matches!(self.law, Law::Sine { .. }) && from * to >= 0.0
+    }
+
     /// At rest.
     pub fn resting(from: f64, duration: f64) -> Self {
         let law = Law::Poly { velocity: 0.0, acceleration: 0.0, jerk: 0.0 };
