@@ -102,6 +102,12 @@ impl Profile {
         self.end
     }
 
+    /// Spans of constant jerk of profiles without sigmoid ramps: when each begins, s, the state there and the jerk, u/s³.
+    pub fn spans(&self) -> impl Iterator<Item = (f64, State, f64)> {
+        let segments = self.track.segments().iter();
+        segments.map(|segment| (segment.start, segment.state, segment.jerk))
+    }
+
     /// State `time` s after the start, for times before that the start itself. After the end the motion goes on with
     /// the velocity it has there. Where the acceleration steps, it is that after the step.
     pub fn at(&self, time: f64) -> State {

@@ -186,6 +186,11 @@ impl<'m> Profile<'m> {
         self.follower.record();
     }
 
+    /// Leaves out set-points of which the pieces say everything.
+    pub(crate) fn leave_out_cycles(&mut self) {
+        self.follower.leave_out_cycles();
+    }
+
     /// The next piece of the plan that has begun.
     pub(crate) fn next_piece(&mut self) -> Option<PlannedPiece> {
         self.follower.next_piece()

@@ -74,6 +74,13 @@ impl<'m> WithinAxes<'m> {
         }
     }
 
+    /// Leaves out set-points of a check of which the pieces say everything.
+    pub(super) fn leave_out_cycles(&mut self) {
+        if let Motion::Checked(profile) = &mut self.motion {
+            profile.leave_out_cycles();
+        }
+    }
+
     /// The next piece of the plan of a check.
     pub(super) fn next_piece(&mut self) -> Option<PlannedPiece> {
         match &mut self.motion {

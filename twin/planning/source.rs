@@ -173,6 +173,10 @@ impl<'m> SetpointSource<'m> for WithinAxes<'m> {
         WithinAxes::record(self)
     }
 
+    fn leave_out_cycles(&mut self) {
+        WithinAxes::leave_out_cycles(self);
+    }
+
     fn next_piece(&mut self) -> Option<PlannedPiece> {
         WithinAxes::next_piece(self)
     }

@@ -37,6 +37,15 @@ pub enum SegmentLaw {
         /// u⃛, m/s³.
         jerk: f64,
     },
+    /// With constant jerk from any motion.
+    Jerk {
+        /// u̇ at the start, m/s.
+        velocity: f64,
+        /// ü at the start, m/s².
+        acceleration: f64,
+        /// u⃛, m/s³.
+        jerk: f64,
+    },
 }
 
 /// Profile segment: a cell of the path and the law of motion through it.
@@ -54,6 +63,9 @@ impl ProfileSegment {
             SegmentLaw::Quadratic { b, a, gamma } => quadratic_duration(length, b, a, gamma),
             SegmentLaw::Launch { jerk } | SegmentLaw::Landing { jerk } => {
                 (6.0 * length / jerk).cbrt()
+            }
+            SegmentLaw::Jerk { velocity, acceleration, jerk } => {
+                jerk_duration(length, velocity, acceleration, jerk)
             }
         };
         Self { length, law, duration }
@@ -82,6 +94,15 @@ impl ProfileSegment {
     /// From u̇² = `b` (m²/s²) to rest over `length` (m), with constant jerk.
     pub fn landing(length: f64, b: f64) -> Self {
         Self::new(length, SegmentLaw::Landing { jerk: rest_jerk(length, b) })
+    }
+
+    /// `duration` s with constant `jerk` (m/s³), from `velocity` (m/s) and `acceleration` (m/s²) to the end of `length` (m). The
+    /// velocity is never negative.
+    pub(crate) fn jerk(
+        (length, duration): (f64, f64),
+        [velocity, acceleration, jerk]: [f64; 3],
+    ) -> Self {
+        Self { length, law: SegmentLaw::Jerk { velocity, acceleration, jerk }, duration }
     }
 
     /// Length of the cell, m.
@@ -122,6 +143,11 @@ impl ProfileSegment {
                 let (b, a) = rest(jerk, self.length - u);
                 (b, -a)
             }
+            SegmentLaw::Jerk { velocity, acceleration, jerk } => {
+                let time = jerk_duration(u.max(0.0), velocity, acceleration, jerk);
+                let Progress { velocity, acceleration, .. } = self.at(time);
+                (velocity * velocity, acceleration)
+            }
         }
     }
 
@@ -129,7 +155,9 @@ impl ProfileSegment {
     pub fn jerk_at(&self, u: f64) -> f64 {
         match self.law {
             SegmentLaw::Quadratic { gamma, .. } => gamma * self.at_position(u).0.sqrt(),
-            SegmentLaw::Launch { jerk } | SegmentLaw::Landing { jerk } => jerk,
+            SegmentLaw::Launch { jerk }
+            | SegmentLaw::Landing { jerk }
+            | SegmentLaw::Jerk { jerk, .. } => jerk,
         }
     }
 
@@ -156,6 +184,15 @@ impl ProfileSegment {
                     jerk,
                 }
             }
+            SegmentLaw::Jerk { velocity, acceleration, jerk } => {
+                let way = time * (velocity + time * (0.5 * acceleration + time * jerk / 6.0));
+                Progress {
+                    position: way.clamp(0.0, self.length),
+                    velocity: (velocity + time * (acceleration + 0.5 * time * jerk)).max(0.0),
+                    acceleration: acceleration + time * jerk,
+                    jerk,
+                }
+            }
         }
     }
 }
@@ -167,6 +204,53 @@ fn constant_jerk(jerk: f64, time: f64) -> Progress {
         acceleration: jerk * time,
         jerk,
     }
+}
+
+/// Time for `length` with constant jerk from this velocity and acceleration: the first root of a cubic, between bounds by halving
+/// and Newton's method.
+fn jerk_duration(length: f64, velocity: f64, acceleration: f64, jerk: f64) -> f64 {
+    let left = |t: f64| t * (velocity + t * (0.5 * acceleration + t * jerk / 6.0)) - length;
+    let rate = |t: f64| velocity + t * (acceleration + 0.5 * t * jerk);
+    if length <= 0.0 {
+        return 0.0;
+    }
+    // Where the velocity ends to be positive nothing further is reached.
+    let turn = first_turn(velocity, acceleration, jerk);
+    let mut low = 0.0;
+    let mut high = if turn.is_finite() { turn } else { f64::MIN_POSITIVE.sqrt() };
+    while turn.is_infinite() && left(high) < 0.0 {
+        (low, high) = (high, 2.0 * high);
+    }
+    let mut time = f64::midpoint(low, high);
+    for _ in 0..200 {
+        let error = left(time);
+        if error > 0.0 {
+            high = time
+        } else {
+            low = time
+        }
+        let next = time - error / rate(time);
+        let next = if next > low && next < high { next } else { f64::midpoint(low, high) };
+        if (next - time).abs() <= 1e-15 * time {
+            break;
+        }
+        time = next;
+    }
+    time
+}
+
+/// When a velocity that is positive first becomes 0 with constant jerk; infinite if it never does.
+fn first_turn(velocity: f64, acceleration: f64, jerk: f64) -> f64 {
+    let root = acceleration * acceleration - 2.0 * jerk * velocity;
+    // Citardauq's form has no cancellation where both terms have one sign.
+    let time = if root < 0.0 {
+        f64::INFINITY
+    } else if acceleration > 0.0 {
+        if jerk < 0.0 { (acceleration + root.sqrt()) / -jerk } else { f64::INFINITY }
+    } else {
+        2.0 * velocity / (root.sqrt() - acceleration)
+    };
+    if time > 0.0 { time } else { f64::INFINITY }
 }
 
 /// The jerk that leads from rest to u̇² = `b` within `length`.

@@ -89,6 +89,9 @@ pub struct Follower<P> {
     over: bool,
     /// Pieces of the plan, if they are recorded.
     record: Option<VecDeque<PlannedPiece>>,
+    /// Set-points of an element but its first are left out where the axes move evenly; the element that had one.
+    leaves_out: bool,
+    sampled: Option<Arc<BlendedElement>>,
 }
 
 #[derive(Debug)]
@@ -119,12 +122,20 @@ where
             stopping: false,
             over: false,
             record: None,
+            leaves_out: false,
+            sampled: None,
         }
     }
 
     /// Records the pieces of the plan from now on.
     pub fn record(&mut self) {
         self.record = Some(VecDeque::new());
+    }
+
+    /// Leaves out the set-points of an element but its first where all axes move evenly and nothing is switched, for those who
+    /// take the recorded pieces.
+    pub fn leave_out_cycles(&mut self) {
+        self.leaves_out = true;
     }
 
     /// The next piece of the plan that has begun and was recorded.
@@ -208,6 +219,12 @@ where
         Ok(true)
     }
 
+    /// True if a leg needs no set-point.
+    fn is_left_out(&self, leg: &Leg) -> bool {
+        let sampled = self.sampled.as_ref().is_some_and(|last| Arc::ptr_eq(last, &leg.element));
+        sampled && leg.is_even && leg.element.element().switches().is_empty()
+    }
+
     /// Duration of a pause, ns.
     fn pause_ns(&self, element: &BlendedElement) -> i64 {
         match element.element().kind {
@@ -238,6 +255,9 @@ where
 
     fn along(&mut self, element: &Arc<BlendedElement>, progress: Progress) -> Followed {
         let status = Status::of_acceleration(progress.acceleration);
+        if self.leaves_out {
+            self.sampled = Some(Arc::clone(element));
+        }
         self.setpoint(element, progress, status)
     }
 
@@ -348,6 +368,9 @@ where
                     Err(error) => return Some(Err(error)),
                 },
                 Some(Current::Along { leg, start, end }) => {
+                    if self.is_left_out(&leg) {
+                        self.now_ns = end.first_cycle(self.now_ns, self.cycle_ns);
+                    }
                     if end.reached_at(self.now_ns) {
                         self.reached = end;
                         continue;

@@ -277,7 +277,7 @@ where
         let middle = |stretch: &ProfileSegment| match stretch.law() {
             SegmentLaw::Quadratic { b, a, .. } => b + a * stretch.length(),
             // What jerk is constant in is at an end, where c is none of the variables.
-            SegmentLaw::Launch { .. } | SegmentLaw::Landing { .. } => {
+            SegmentLaw::Launch { .. } | SegmentLaw::Landing { .. } | SegmentLaw::Jerk { .. } => {
                 0.5 * (stretch.at_position(0.0).0 + stretch.at_position(stretch.length()).0)
             }
         };

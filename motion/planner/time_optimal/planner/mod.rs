@@ -11,6 +11,7 @@ mod drag;
 mod even;
 mod fallback_scaling;
 mod guess;
+mod line;
 mod minimum_speed;
 mod pieces;
 mod refine;
@@ -52,6 +53,8 @@ pub struct Leg {
     pub stretch: ProfileSegment,
     /// Axis positions at its start, m or rad.
     pub start: AxisVector,
+    /// True if all axes move as evenly as the path.
+    pub is_even: bool,
 }
 
 impl Leg {
@@ -319,6 +322,9 @@ where
                 // What would have to come next cannot: there is only the plan so far.
                 let moving = self.beginning != Beginning::Rest;
                 return if moving { Err(NoWindow::NotSolved(NOT_SOLVED)) } else { Ok(()) };
+            }
+            if self.plan_line() {
+                return Ok(());
             }
             self.cut_off(horizon).and_then(|()| self.refine())?;
             if exactly {
