@@ -10,8 +10,8 @@ use twin_kinematics::AxisVector;
 use twin_path::prepare::CheckedElement;
 use twin_profile::{AxisLimits, Profile, RampType, State};
 
-/// A leg lasts no longer than this, s: another plan can begin where a leg does.
-const LONGEST: f64 = 0.01;
+/// A leg lasts no longer than this, s, or this part of the line: another plan can begin where a leg does.
+const LONGEST: [f64; 2] = [0.01, 1e-4];
 /// Part by which a limit is changed to see what it costs.
 const SLIGHTLY: f64 = 1e-5;
 
@@ -59,11 +59,13 @@ where
         let Some(profile) = limits.profile(length, (0, 1.0)) else { return false };
         let ends = [first.start.position, last.end.position];
         let duration = profile.duration();
+        let [longest, part] = LONGEST;
+        let longest = longest.max(part * duration);
         let begins = profile.spans().map(|(begin, ..)| begin).skip(1).chain([duration]);
         let mut legs = Vec::new();
         let mut gone = 0.0;
         for ((begin, state, jerk), end) in profile.spans().zip(begins) {
-            let count = ((end - begin) / LONGEST).ceil().max(1.0);
+            let count = ((end - begin) / longest).ceil().max(1.0);
             let takes = (end - begin) / count;
             let mut index = 0.0;
             while index < count {
