@@ -91,11 +91,8 @@ where
         let Some(cell) = self.cells.get(index) else { return Ok(()) };
         let part = 1.0 + left / takes;
         // A window of one cell would begin and end at rest all the way.
-        let at = if takes > 0.1 * horizon && part > 0.1 && part < 0.9 {
-            vec![0.5 * part, part]
-        } else {
-            vec![0.5]
-        };
+        let at =
+            if takes > 0.1 * horizon && part < 0.9 { vec![0.5 * part, part] } else { vec![0.5] };
         let parts = self.sampler.parts(cell, &at);
         let mut parts = parts.map_err(|error| NoWindow::Kinematics(cell.element.place(), error))?;
         let behind = parts.split_off(parts.len().min(2));

@@ -96,6 +96,27 @@ fn line(from: [f64; 2], to: [f64; 2]) -> Shape {
 
 const LIMITS: [[f64; 3]; 4] = [[0.4, 3.0, 1.0], [0.4, 1.0, 3.0], [0.2, 5.0, 0.5], [0.4, 2.0, 2.0]];
 
+/// An arc of 1.6 m at 0.1 mm/s takes over four hours; a window of it is no longer than others.
+#[test]
+fn a_long_element_is_planned_window_by_window() {
+    for jerk in [None, Some(20.0)] {
+        let limits = AxisLimits { velocity: 0.4, acceleration: 2.0, deceleration: 2.0, jerk };
+        let (start, center) = (Point3::origin(), Point3::new(0.25, 0.0, 0.0));
+        let arc = Arc::new(start, start, center, TAU);
+        let place = Place { line: 1, block: None };
+        let made = PathElement::new(place, ElementKind::Cut, Shape::Arc(arc));
+        let element = PathElement { feed: 1e-4, acceleration: 20.0, deceleration: 20.0, ..made };
+        let checked = CheckVelocities::new(std::iter::once(Ok::<_, CheckError>(element)), PI);
+        let options = LimitOptions::new(BlendOptions::new(1e-4));
+        let mut planner = Planner::new(checked, axes(limits), options);
+        for _ in 0..5_000 {
+            assert!(matches!(planner.next(), Some(Ok(Planned::Leg(_)))));
+            let known = planner.cells.len() + planner.ready.len() + planner.tail.len();
+            assert!(known < 10_000, "{known} cells, {jerk:?}");
+        }
+    }
+}
+
 /// One axis over the stroke L with acceleration a, deceleration d and velocity v: L/v + v/2·(1/a + 1/d), or without
 /// reaching v √(2L·(1/a + 1/d)).
 #[test]
