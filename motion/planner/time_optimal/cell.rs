@@ -95,9 +95,18 @@ pub(super) struct Cell {
     pub(super) tight: [f64; 3],
     /// True if jerks are limited at its ends as well, because they were exceeded there.
     pub(super) dense: bool,
+    /// True if all axes move as evenly as the path: the same limits hold everywhere in it.
+    pub(super) is_even: bool,
 }
 
 impl Cell {
+    /// Sample at a part of the length of a cell in which the axes move evenly.
+    pub(super) fn between(&self, part: f64) -> Sample {
+        let ends = self.start.position.iter().zip(self.end.position.iter());
+        let position = AxisVector::from_values(ends.map(|(from, to)| from + part * (to - from)));
+        Sample { position, transition: Cap::NONE, ..*self.start }
+    }
+
     pub(super) fn length(&self) -> f64 {
         self.to - self.from
     }

@@ -75,6 +75,12 @@ impl Feeds {
         kinks
     }
 
+    /// True if the bound is not the same all along `element`.
+    pub(super) fn brakes_on(&self, element: &BlendedElement) -> bool {
+        let mut braking = self.braking.iter();
+        braking.any(|braking| std::ptr::eq(Arc::as_ptr(&braking.element), element))
+    }
+
     /// The bound on u̇² at `s` of `element`, where `v2` is what is programmed.
     pub(super) fn bound(&self, element: &BlendedElement, s: f64, v2: f64) -> f64 {
         let v2 = self.factor * self.factor * v2;

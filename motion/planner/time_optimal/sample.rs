@@ -90,17 +90,30 @@ impl<A: AxisPath> Sampler<A> {
             } else {
                 LEAST
             };
+            let is_even = last >= head && to <= tail && self.is_even(element, last, &near);
+            let least = if is_even { 1 } else { least };
             let step = (to - last) / f64::from(least);
             for index in 0..least {
                 let begin = last + step * f64::from(index);
                 let end = if index + 1 == least { to } else { last + step * f64::from(index + 1) };
-                let cell = self.ends(element, begin..end, &near)?;
+                let cell = Cell { is_even, ..self.ends(element, begin..end, &near)? };
                 near = cell.end.position;
                 self.halve(cell, DEPTH, cells)?;
             }
             last = to;
         }
         Ok(())
+    }
+
+    /// True if all axes move evenly from `s` of `element` on, as far as it is neither blended nor slowed.
+    fn is_even(&self, element: &BlendedElement, s: f64, near: &AxisVector) -> bool {
+        let even = |point: AxisPoint| {
+            let disc = self.axes.disc(element, s, &point);
+            disc.is_some_and(|disc| disc.is_even)
+        };
+        self.axes.further_rows() == 0
+            && !self.feeds.brakes_on(element)
+            && self.axes.axes(element, s, near).is_ok_and(even)
     }
 
     /// A part of `element` as one cell.
@@ -129,7 +142,8 @@ impl<A: AxisPath> Sampler<A> {
         let element = Arc::clone(element);
         let joint = Cap::NONE;
         let tight = [1.0; 3];
-        Ok(Cell { element, from, to, start, end, middle, joint, tight, dense: false })
+        let (dense, is_even) = (false, false);
+        Ok(Cell { element, from, to, start, end, middle, joint, tight, dense, is_even })
     }
 
     /// Adds `cell`, in halves if its ends do not tell enough of it.
@@ -151,6 +165,10 @@ impl<A: AxisPath> Sampler<A> {
     }
 
     fn look_half_way(&self, cell: &mut Cell) -> Result<(), KinematicsError> {
+        if cell.is_even {
+            cell.middle = Arc::clone(&cell.start);
+            return Ok(());
+        }
         let at = cell.from.midpoint(cell.to);
         cell.middle = Arc::new(self.sample(&cell.element, at, &cell.start.position)?);
         Ok(())
@@ -177,7 +195,12 @@ impl<A: AxisPath> Sampler<A> {
             if cut <= rest.from || cut >= rest.to {
                 continue;
             }
-            let sample = Arc::new(self.sample(&cell.element, cut, &rest.start.position)?);
+            let sample = if cell.is_even {
+                cell.between(*part)
+            } else {
+                self.sample(&cell.element, cut, &rest.start.position)?
+            };
+            let sample = Arc::new(sample);
             let first =
                 Cell { to: cut, end: Arc::clone(&sample), joint: Cap::NONE, ..rest.clone() };
             rest = Cell { from: cut, start: sample, ..rest };

@@ -96,7 +96,7 @@ where
             from: cell.from,
             stretch: *stretch,
             start: cell.start.position,
-            is_even: false,
+            is_even: cell.is_even,
         });
         let mut legs: Vec<Leg> = legs.collect();
         self.tail = legs.split_off(end.min(legs.len()));

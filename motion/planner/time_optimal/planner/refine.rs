@@ -28,6 +28,14 @@ const FEWEST_STEPS: f64 = 12.0;
 const TOO_LONG: f64 = 1.6;
 /// A path that takes less than this number of horizons is planned in one window.
 const BEYOND: f64 = 1.5;
+/// Cells in which the axes move evenly take no longer than this, s: what follows a window may ask for braking in them.
+const EVEN_STEP: f64 = 0.04;
+/// Where they move evenly at the largest velocity, cells may take this part of the time to the nearest change.
+const STEADY: f64 = 0.3;
+/// A u̇² is the largest if it is less by no more than this part of it.
+const AT_CAP: f64 = 1e-4;
+/// Places nearer to the end of a cell than this part of its length are at its end.
+const ROUNDING: f64 = 1e-9;
 /// A first profile may be faster by this part, in u̇², than what keeps the jerk limits at constant velocity: not much more can be won
 /// by speeding up and slowing down.
 const BEND_ROOM: f64 = 2.0;
@@ -127,6 +135,7 @@ where
             let times = b.windows(2).zip(&self.cells);
             let times = times.map(|(pair, cell)| time(pair, cell.length(), self.jerk_limited));
             let times: Vec<f64> = times.collect();
+            let steady = self.steady(&grid, &b, &times);
             let cells = b.windows(2).zip(&times);
             let fastest =
                 [reached(cells.clone(), 2.0 * launch), reached(cells.rev(), 2.0 * launch)];
@@ -137,12 +146,17 @@ where
             while let Some((index, cell)) = known.next() {
                 let pair = b.get(index..index + 2).unwrap_or_default();
                 let takes = times.get(index).copied().unwrap_or_default();
-                let fine = graded(step, since.min(left));
+                let even = cell.is_even && !self.jerk_limited;
+                let steady = steady.get(index).copied().unwrap_or_default();
+                let fine = graded(step, since.min(left)).max(steady);
+                let fine = if even { EVEN_STEP } else { fine };
                 since += takes;
                 left -= takes;
+                let switches = if even { even_cuts(pair, &grid, index) } else { Vec::new() };
                 // A profile with limited jerk has to have a choice.
                 let few = self.jerk_limited && count < FEWEST;
-                let fine_enough = takes <= TOO_LONG * fine && !few || self.budget.is_spent();
+                let short = takes <= TOO_LONG * fine && !few && switches.is_empty();
+                let fine_enough = short || self.budget.is_spent();
                 if index + 1 < self.kept.len() || fine_enough {
                     refined.push(cell);
                     continue;
@@ -151,7 +165,9 @@ where
                     self.jerk_limited && index == 0 && self.beginning == Beginning::Rest,
                     self.jerk_limited && index + 1 == count,
                 ];
-                let mut at = if rest == [false; 2] {
+                let mut at = if !switches.is_empty() {
+                    switches
+                } else if rest == [false; 2] {
                     cuts(pair, takes, fine)
                 } else {
                     rest_cuts(cell.length(), rest, grid.rest_rates(index), fastest, launch)
@@ -181,6 +197,37 @@ where
         Ok(())
     }
 
+    /// How long cells may take because nothing changes in them or near them, s: the axes move evenly, and `b` is as large as it may
+    /// be. 0 for all others.
+    fn steady(&self, grid: &Grid, b: &[f64], times: &[f64]) -> Vec<f64> {
+        let caps = grid.caps();
+        let at_cap = |node: usize| {
+            let pair = b.get(node).zip(caps.get(node));
+            pair.is_some_and(|(b, cap)| *b >= cap.v2 * (1.0 - AT_CAP))
+        };
+        let cells = self.cells.iter().enumerate();
+        let cruises: Vec<bool> =
+            cells.map(|(cell, known)| known.is_even && at_cap(cell) && at_cap(cell + 1)).collect();
+        // Time since the last change, and until the next one.
+        let since = |cells: &mut dyn Iterator<Item = (&bool, &f64)>| -> Vec<f64> {
+            let mut since = 0.0;
+            let of = |(cruises, takes): (&bool, &f64)| {
+                let before = since;
+                since = if *cruises { since + takes } else { 0.0 };
+                before
+            };
+            cells.map(of).collect()
+        };
+        let after = since(&mut cruises.iter().zip(times));
+        let mut before = since(&mut cruises.iter().zip(times).rev());
+        before.reverse();
+        let distances = after.iter().zip(&before).zip(&cruises);
+        let longest = |((after, before), cruises): ((&f64, &f64), &bool)| {
+            if *cruises { (STEADY * after.min(*before)).min(EVEN_STEP) } else { 0.0 }
+        };
+        distances.map(longest).collect()
+    }
+
     /// Cuts cells that take too long at `guess`, but not those that are kept, nor those that begin or end at rest.
     pub(super) fn subdivide(&mut self, guess: &mut Guess) {
         let times = self.cells.iter().enumerate().map(|(index, cell)| {
@@ -192,12 +239,14 @@ where
         let step = self.options.step.min(duration / FEWEST_STEPS);
         let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
         let mut left = if self.stops() { duration } else { f64::INFINITY };
+        let steady = self.steady(&grid(&self.sampler, &self.cells), &guess.b, &times);
         let inner = self.kept.len().max(2) - 1..self.cells.len().saturating_sub(1);
         let mut cells = Vec::with_capacity(self.cells.len());
         for ((index, cell), takes) in
             std::mem::take(&mut self.cells).into_iter().enumerate().zip(times)
         {
-            let fine = graded(step, since.min(left));
+            let steady = steady.get(index).copied().unwrap_or_default();
+            let fine = graded(step, since.min(left)).max(steady);
             since += takes;
             left -= takes;
             let place = cells.len();
@@ -352,6 +401,24 @@ fn rest_cuts(
         [false, true] if last < 0.8 => vec![1.0 - last],
         _ => Vec::new(),
     }
+}
+
+/// Where the acceleration changes in the fastest motion through a cell in which the axes move evenly, between these b at its ends,
+/// as parts of its length.
+fn even_cuts(pair: &[f64], grid: &Grid, cell: usize) -> Vec<f64> {
+    let ([from, to], [[up, _], [down, _]]) = (pair, grid.rest_rates(cell)) else {
+        return Vec::new();
+    };
+    let length = grid.length(cell);
+    let most = grid.cell_caps(cell).iter().fold(f64::INFINITY, |most, cap| most.min(cap.v2));
+    let (first, last) = (0.5 * (most - from) / up, length - 0.5 * (most - to) / down);
+    let at = if first < last {
+        vec![first, last]
+    } else {
+        vec![(0.5 * (to - from) + down * length) / (up + down)]
+    };
+    let parts = at.into_iter().map(|at| at / length);
+    parts.filter(|part| *part > ROUNDING && *part < 1.0 - ROUNDING).collect()
 }
 
 /// The step so long, s, after the path rested, or before it will.

@@ -116,7 +116,13 @@ where
         let limits = self.sampler.axes().limits();
         // What jerk limits have smoothed is not so far from the places where it is known.
         let smooth = self.jerk_limited && !self.options.course.turning;
-        let eighths = (0..=8_u8).step_by(if smooth { 2 } else { 1 });
+        let step = match (cell.is_even, smooth) {
+            // The largest values are at the ends.
+            (true, _) => 8,
+            (false, true) => 2,
+            (false, false) => 1,
+        };
+        let eighths = (0..=8_u8).step_by(step);
         let mut before: [Option<f64>; 2] = [None; 2];
         for eighth in eighths {
             let u = 0.125 * f64::from(eighth) * cell.length();
