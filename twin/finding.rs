@@ -74,6 +74,11 @@ impl Finding {
         self.unit = Some(unit);
         self
     }
+
+    /// How far its value is from its limit, in `unit`; 0 without one.
+    pub fn excess(&self) -> f64 {
+        self.value.zip(self.limit).map_or(0.0, |(value, limit)| (value - limit).abs())
+    }
 }
 
 /// Brings findings into the order they are shown in: the worst first, then by line.

@@ -88,9 +88,11 @@ const ROUNDED: f64 = 5e-5;
 
 /// Advice to move the part, m, machine frame. Coordinates are rounded to 0.1 mm, and it is moved no less for that.
 pub(crate) fn move_part(by: &Vector3<f64>) -> String {
-    let by = by + by.map(|way| if way.abs() > ROUNDED { ROUNDED.copysign(way) } else { 0.0 });
+    // The largest one counts in any case.
+    let least = ROUNDED.min(0.5 * by.amax());
+    let by = by.map(|way| if way.abs() > least { way + ROUNDED.copysign(way) } else { 0.0 });
     let coordinates = ["X", "Y", "Z"].into_iter().zip(by.iter());
-    let moved = coordinates.filter(|(_, way)| way.abs() > ROUNDED);
+    let moved = coordinates.filter(|(_, way)| **way != 0.0);
     let moved: Vec<_> = moved.map(|(name, way)| format!("{name}{:+.1}", way * 1e3)).collect();
     format!("move the part by {} mm", moved.join(" "))
 }

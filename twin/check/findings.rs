@@ -49,15 +49,17 @@ impl Findings {
             // A feed is small enough if it is so wherever the finding was made.
             let feeds = kept.largest_feed_mm_per_s.zip(finding.largest_feed_mm_per_s);
             let feed = feeds.map(|(one, other)| one.min(other));
-            // Where no feed helps, the remedy is that of the finding without one.
-            let remedy =
-                [&*kept, &finding].into_iter().find(|one| one.largest_feed_mm_per_s.is_none());
-            let remedy = remedy.and_then(|one| one.hint.clone());
-            if excess(&finding) > excess(kept) {
+            // Where no feed helps one of them, the remedy is that of it.
+            let remedy = match (kept.largest_feed_mm_per_s, finding.largest_feed_mm_per_s) {
+                (None, Some(_)) => kept.hint.clone(),
+                (Some(_), None) => finding.hint.clone(),
+                _ => None,
+            };
+            if finding.excess() > kept.excess() {
                 *kept = finding;
             }
             kept.largest_feed_mm_per_s = feed;
-            if feed.is_none() && remedy.is_some() {
+            if remedy.is_some() {
                 kept.hint = remedy;
             }
         } else if kept.len() < MAX_FINDINGS {
@@ -103,11 +105,6 @@ impl Findings {
         }
         (list, left_out)
     }
-}
-
-/// How far a finding's value is from its limit.
-fn excess(finding: &Finding) -> f64 {
-    finding.value.zip(finding.limit).map_or(0.0, |(value, limit)| (value - limit).abs())
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@ use super::edge::{EdgeDistance, EdgeSearch};
 use super::findings::{About, Findings};
 use super::messages;
 use crate::finding::Finding;
-use crate::limit::MachinePath;
-use crate::messages::{beyond_position, unreachable};
+use crate::limit::{MachinePath, out_of_reach};
+use crate::messages::beyond_position;
 use crate::peak::AxisPeak;
 use crate::tolerance::exceeds;
 use nalgebra::{Point3, Vector3};
@@ -203,7 +203,7 @@ impl<'m> PieceCheck<'m> {
         {
             Ok(extremes) => extremes,
             Err(out) => {
-                findings.add(None, unreachable(place, &out.error));
+                findings.add(None, out_of_reach(self.machine, &planned.element, &out.error));
                 (self.last, self.open, self.lost, self.tip) = (None, None, true, None);
                 self.joints.clear();
                 return;
@@ -284,8 +284,7 @@ impl<'m> PieceCheck<'m> {
             let (state, _) = planned.piece.at(time);
             let point = match self.path.axes(&planned.element, state.position, &near) {
                 Ok(point) => point,
-                Err(error) => {
-                    findings.add(None, unreachable(place, &error));
+                Err(_beyond) => {
                     untaken += 1;
                     continue;
                 }

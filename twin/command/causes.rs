@@ -8,8 +8,8 @@ const LISTED: usize = 8;
 /// Findings that say the same of several lines.
 #[derive(Debug)]
 pub(super) struct Cause<'f> {
-    /// The first of them.
-    pub(super) first: &'f Finding,
+    /// The one that is farthest from its limit.
+    pub(super) worst: &'f Finding,
     /// Lines of the others.
     others: Vec<u32>,
 }
@@ -39,10 +39,13 @@ pub(super) fn of(findings: &[Finding]) -> Vec<Cause<'_>> {
         let key = key(finding);
         let known = keys.iter().position(|known| *known == key);
         if let Some(cause) = known.and_then(|known| causes.get_mut(known)) {
-            cause.others.push(finding.line);
+            let is_worse = finding.excess() > cause.worst.excess();
+            let other =
+                if is_worse { std::mem::replace(&mut cause.worst, finding) } else { finding };
+            cause.others.push(other.line);
         } else {
             keys.push(key);
-            causes.push(Cause { first: finding, others: Vec::new() });
+            causes.push(Cause { worst: finding, others: Vec::new() });
         }
     }
     causes
@@ -59,7 +62,7 @@ impl Cause<'_> {
         let mut lines = self.others.clone();
         lines.sort_unstable();
         lines.dedup();
-        lines.retain(|line| *line != self.first.line);
+        lines.retain(|line| *line != self.worst.line);
         if lines.is_empty() {
             return None;
         }
@@ -91,7 +94,7 @@ mod tests {
         findings.push(found(3, "Y", "velocity 7.5 mm/s is above 400"));
         findings.push(found(4, "X", "another matter"));
         let causes = of(&findings);
-        let shown: Vec<_> = causes.iter().map(|cause| (cause.first.line, cause.count())).collect();
+        let shown: Vec<_> = causes.iter().map(|cause| (cause.worst.line, cause.count())).collect();
         assert_eq!(shown, [(1, 12), (3, 1), (4, 1)]);
         let others = causes[0].others().unwrap();
         assert_eq!(others, "… and in 11 more lines: 2, 3, 4, 5, 6, 7, 8, 9, …");

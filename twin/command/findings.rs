@@ -52,9 +52,9 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding], notes: bool)
     };
     let causes = causes::of(findings);
     let shown = causes.get(..SHOWN_FINDINGS).unwrap_or(&causes);
-    let lines = lines_of(program, shown.iter().map(|cause| cause.first));
+    let lines = lines_of(program, shown.iter().map(|cause| cause.worst));
     for cause in shown {
-        let finding = cause.first;
+        let finding = cause.worst;
         let source = lines.get(&finding.line).map(|line| {
             let words = match program.dialect() {
                 Dialect::Job => underline::key(line, finding),

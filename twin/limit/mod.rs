@@ -24,6 +24,7 @@ mod losses;
 mod machine_path;
 #[cfg(test)]
 mod machine_tests;
+mod out_of_reach;
 mod picture;
 mod plan;
 mod sample;
@@ -43,6 +44,7 @@ pub use json::LimitReport;
 pub use lines::{LineShare, write_lines};
 pub(crate) use machine_path::Trial;
 pub use machine_path::{AxisRules, MachinePath, MachinePathError};
+pub(crate) use out_of_reach::out_of_reach;
 pub use picture::Picture;
 pub use plan::{LimitFailure, LimitRules, Profile, ProfileItem};
 pub(crate) use plan::{not_solved, planner};

@@ -333,8 +333,8 @@ impl Iterator for Profile<'_> {
             Ok(followed) => self.sample(&followed),
             Err(LimitError::Upstream(Halt::Io(error))) => ProfileItem::Io(error),
             Err(LimitError::Upstream(Halt::Finding(finding))) => ProfileItem::Finding(*finding),
-            Err(LimitError::Kinematics { place, error }) => {
-                ProfileItem::Finding(unreachable(place, &error))
+            Err(LimitError::Kinematics { element, error }) => {
+                ProfileItem::Finding(out_of_reach(self.machine, &element, &error))
             }
             Err(LimitError::NotSolved { place, error }) => {
                 ProfileItem::Finding(not_solved(place, error))

@@ -250,7 +250,9 @@ fn fault(error: LimitError<Fault>) -> ProgramItem {
             Halt::Io(error) => ProgramItem::Io(io::Error::new(error.kind(), error.to_string())),
             Halt::Finding(finding) => diagnostic((**finding).clone()),
         },
-        LimitError::Kinematics { place, error } => diagnostic(unreachable(place, &error)),
+        LimitError::Kinematics { element, error } => {
+            diagnostic(unreachable(element.place(), &error))
+        }
         LimitError::NotSolved { place, error } => diagnostic(not_solved(place, error)),
     }
 }

@@ -94,8 +94,8 @@ pub enum LimitError<E> {
     /// The machine cannot follow an element, which is left out.
     #[error("{error}")]
     Kinematics {
-        /// The block.
-        place: Place,
+        /// It.
+        element: Arc<BlendedElement>,
         /// Error of the kinematics.
         error: KinematicsError,
     },
@@ -253,8 +253,8 @@ where
             }
             Err(error) => {
                 self.cells.truncate(known);
-                let place = element.place();
-                return Some(After::Error(LimitError::Kinematics { place, error }));
+                let element = Arc::clone(element);
+                return Some(After::Error(LimitError::Kinematics { element, error }));
             }
         }
         (part.ends() && element.stops_at_end()).then_some(After::Path)
@@ -302,9 +302,9 @@ where
         }
         match self.plan_window(self.options.horizon, false) {
             Ok(()) | Err(NoWindow::Slower) => {}
-            Err(NoWindow::Kinematics(place, error)) => {
+            Err(NoWindow::Kinematics(element, error)) => {
                 self.rest_instead();
-                self.ready.push_back(Err(LimitError::Kinematics { place, error }));
+                self.ready.push_back(Err(LimitError::Kinematics { element, error }));
             }
             Err(NoWindow::NotSolved(error)) => self.fall_back(error),
         }
@@ -380,7 +380,7 @@ const NOT_SOLVED: NotSolved = NotSolved { status: SolverStatus::Unsolved, iterat
 /// Why there is no plan for a window.
 enum NoWindow {
     /// An element cannot be followed.
-    Kinematics(Place, KinematicsError),
+    Kinematics(Arc<BlendedElement>, KinematicsError),
     NotSolved(NotSolved),
     /// It begins slower than the path is.
     Slower,

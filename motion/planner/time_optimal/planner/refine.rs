@@ -8,6 +8,7 @@ use crate::time_optimal::reachable;
 use crate::time_optimal::rows::LEAST_TIME;
 use crate::time_optimal::sample::grid;
 use crate::time_optimal::smooth::{Beginning, Guess};
+use std::sync::Arc;
 use twin_path::prepare::CheckedElement;
 
 /// Within this time, s, after the path rested, or before it will, steps are shorter in proportion: there the velocity changes
@@ -102,7 +103,8 @@ where
         let at =
             if takes > 0.1 * horizon && part < 0.9 { vec![0.5 * part, part] } else { vec![0.5] };
         let parts = self.sampler.parts(cell, &at);
-        let mut parts = parts.map_err(|error| NoWindow::Kinematics(cell.element.place(), error))?;
+        let mut parts =
+            parts.map_err(|error| NoWindow::Kinematics(Arc::clone(&cell.element), error))?;
         let behind = parts.split_off(parts.len().min(2));
         let mut beyond = self.cells.split_off(index + 1);
         beyond.splice(..0, behind);
@@ -181,11 +183,11 @@ where
                     Ok(parts) => refined.extend(parts),
                     Err(error) => {
                         // Nothing of the path is lost.
-                        let place = cell.element.place();
+                        let element = Arc::clone(&cell.element);
                         refined.push(cell);
                         refined.extend(known.map(|(_, cell)| cell));
                         self.cells = refined;
-                        return Err(NoWindow::Kinematics(place, error));
+                        return Err(NoWindow::Kinematics(element, error));
                     }
                 }
             }
