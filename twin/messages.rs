@@ -5,9 +5,9 @@ use crate::finding::{Finding, Rule, Severity};
 use crate::tolerance::ROUNDING;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
-use twin_kinematics::{KinematicsError, ReachOf};
+use twin_kinematics::{Kinematics, KinematicsError, ReachOf};
 use twin_machine::axis_couplings::AxesError;
-use twin_machine::{Axis, Machine};
+use twin_machine::{Axis, AxisKind, Machine};
 use twin_path::Place;
 
 /// An axis that goes less than this across a gap is not named, m or rad.
@@ -115,6 +115,31 @@ pub(crate) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
             finding
         }
         _ => finding,
+    }
+}
+
+/// Adds the move of the part to findings about positions of linear axes, where it is the same everywhere: not on tripods, whose
+/// axes move the tool as all of them are.
+pub(crate) fn add_moves(machine: &Machine, findings: &mut [Finding]) {
+    let middle = machine.middle();
+    let Ok(from) = machine.kinematics.forward(&middle) else { return };
+    let beyond =
+        |finding: &&mut Finding| finding.rule == Rule::AxisPosition && finding.hint.is_none();
+    for finding in findings.iter_mut().filter(beyond) {
+        let named = |axis: &(usize, &Axis)| Some(&axis.1.name) == finding.axis.as_ref();
+        let Some((index, axis)) = machine.axes.iter().enumerate().find(named) else { continue };
+        let Some((value, limit)) = finding.value.zip(finding.limit) else { continue };
+        if axis.kind == AxisKind::Rotary || machine.kind.starts_with("tripod") {
+            continue;
+        }
+        let mut moved = middle;
+        if let Some(position) = moved.get_mut(index) {
+            *position += axis.to_si(limit - value);
+        }
+        if let Ok(to) = machine.kinematics.forward(&moved) {
+            let by = to.position - from.position;
+            finding.hint = (by.norm() > 0.0).then(|| move_part(&by));
+        }
     }
 }
 

@@ -185,7 +185,7 @@ rules! {
         name: "singularity",
         severities: [Error],
         meaning: "the arms are stretched or folded while the tool moves",
-        remedy: "keep the path away from there, move the part, or use the other elbow",
+        remedy: "keep the path away from there, or move the part",
     }
     CompensationGouge {
         name: "compensation-gouge",

@@ -325,6 +325,7 @@ impl<'m> Checker<'m> {
         let edge = self.pieces.as_ref().and_then(PieceCheck::nearest_to_edge);
         let (mut findings, findings_left_out) = self.findings.into_list();
         messages::leave_out_consequences(&mut findings);
+        crate::messages::add_moves(self.machine, &mut findings);
         messages::leave_out_nearness(&mut findings);
         finding::sort(&mut findings);
         Outcome {

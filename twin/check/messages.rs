@@ -85,6 +85,15 @@ pub(super) fn too_jerky(axis: &Axis, place: Place, jerk: f64, limit: f64) -> Fin
     }
 }
 
+/// The same where the plan is to keep the limit, and is far from it: an error, which no feed cures.
+pub(super) fn far_too_jerky(axis: &Axis, place: Place, jerk: f64, limit: f64) -> Finding {
+    Finding {
+        severity: Severity::Error,
+        hint: Some("keep the path away from the edge of the reach, or move the part".to_owned()),
+        ..too_jerky(axis, place, jerk, limit)
+    }
+}
+
 /// A velocity (rad/s or m/s) that changes by `value` at once.
 pub(super) fn step(axis: &Axis, place: Place, value: f64, limit: f64) -> Finding {
     too_much(axis, Rule::AxisVelocityStep, &STEP, place, value, limit)

@@ -25,6 +25,8 @@ use twin_planner::time_optimal::AxisPath;
 pub(super) const EXACT: f64 = 1.0 + 2e-6;
 /// The same for jerks, which are exact to a thousandth.
 const JERK_EXACT: f64 = 1.0 + 2e-3;
+/// A jerk above its limit by more than this factor is no rounding of a plan that keeps it.
+const FAR_ABOVE: f64 = 1.5;
 /// Values below this part of their limits are not looked for between nodes.
 const LITTLE: f64 = 1e-3;
 /// Pieces that follow each other within this time, s, do so without a rest.
@@ -449,7 +451,16 @@ impl<'m> PieceCheck<'m> {
         if let Some(limit) =
             axis.max_jerk.filter(|limit| exceeds(jerk.value, JERK_EXACT * jerkier * *limit))
         {
-            report(messages::too_jerky(axis, place, jerk.value, limit));
+            report(self.jerky(axis, place, jerk.value, limit));
+        }
+    }
+
+    /// Finding about a jerk above its limit: an error where the plan is to keep it and is far above it.
+    fn jerky(&self, axis: &Axis, place: Place, jerk: f64, limit: f64) -> Finding {
+        if self.plans_as_programmed() || jerk <= FAR_ABOVE * limit {
+            messages::too_jerky(axis, place, jerk, limit)
+        } else {
+            messages::far_too_jerky(axis, place, jerk, limit)
         }
     }
 
@@ -559,7 +570,7 @@ impl<'m> PieceCheck<'m> {
         let [.., jerkier] = self.slack;
         peak.jerk.include(jerk, place);
         if let Some(limit) = axis.max_jerk.filter(|limit| exceeds(jerk, jerkier * *limit)) {
-            report(messages::too_jerky(axis, place, jerk, limit));
+            report(self.jerky(axis, place, jerk, limit));
         }
     }
 

@@ -7,6 +7,7 @@ use super::pieces::PieceCheck;
 use super::{rapids, slack};
 use crate::finding::Finding;
 use crate::limit::Limits;
+use crate::messages::add_moves;
 use crate::peak::AxisPeak;
 use crate::program::ProgramFile;
 use twin_machine::Machine;
@@ -48,5 +49,6 @@ impl<'m> PlanCheck<'m> {
         let known: Vec<_> = findings.iter().map(about).collect();
         findings.extend(found.into_iter().filter(|one| !known.contains(&about(one))));
         leave_out_consequences(findings);
+        add_moves(self.pieces.machine, findings);
     }
 }
