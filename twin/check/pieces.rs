@@ -120,7 +120,7 @@ pub(super) struct Wrong {
     quantity: Quantity,
     /// SI.
     limit: f64,
-    finding: Finding,
+    pub(super) finding: Finding,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -368,7 +368,8 @@ impl<'m> PieceCheck<'m> {
             if self.feeds && findings.has_room(wrong.finding.severity) {
                 wrong.finding.largest_feed_mm_per_s = self.largest_feed(&open, &wrong);
                 if wrong.finding.largest_feed_mm_per_s.is_none() {
-                    wrong.finding.hint = Some(self.remedy(&open, &wrong));
+                    // RS274 has no word for accelerations.
+                    wrong.finding.hint = Some(self.remedy(&open, &wrong, rapids.is_none()));
                 }
             }
             if !self.feeds {
@@ -615,7 +616,7 @@ impl<'m> PieceCheck<'m> {
             Quantity::Deceleration => floor.deceleration = Some(little),
             Quantity::Step => {}
         }
-        let found = self.extremes(&self.path, open, (axis, floor), feed)?;
+        let found = self.extremes(&self.path, open, (axis, floor), [feed, 1.0])?;
         Some(match quantity {
             Quantity::Velocity => found.velocity.value,
             Quantity::Acceleration => found.acceleration.value,
@@ -632,16 +633,17 @@ impl<'m> PieceCheck<'m> {
         Some(Floor { deceleration, velocity: axis.max_velocity, ..UNLIMITED })
     }
 
-    /// Extremes of one axis above its floor, with a `feed` (m/s) on the element; `position` is the first beyond the floor.
+    /// Extremes of one axis above its floor, with a `feed` (m/s) on the element and a `part` of its accelerations; `position` is the
+    /// first beyond the floor.
     pub(super) fn extremes(
         &self,
         path: &MachinePath<'_>,
         open: &Open,
         (axis, floor): (usize, Floor),
-        feed: f64,
+        [feed, part]: [f64; 2],
     ) -> Option<AxisExtremes> {
         let element = &open.element;
-        let rates = [element.acceleration(), element.deceleration()];
+        let rates = [element.acceleration(), element.deceleration()].map(|rate| part * rate);
         let pieces = trapezoid(element.length(), open.ends, feed, rates);
         let mut floors = [UNLIMITED; MAX_AXES];
         *floors.get_mut(axis)? = floor;

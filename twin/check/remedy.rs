@@ -18,7 +18,7 @@ const LEAST_MOVE: f64 = 1e-5;
 
 impl PieceCheck<'_> {
     /// Remedies for a value that no lower feed cures.
-    pub(super) fn remedy(&self, open: &Open, wrong: &Wrong) -> String {
+    pub(super) fn remedy(&self, open: &Open, wrong: &Wrong, has_e: bool) -> String {
         let mut ways = Vec::new();
         let other = match self.machine.dimensions.get("elbow").and_then(|elbow| elbow.as_str()) {
             Some("high") => "low",
@@ -30,10 +30,13 @@ impl PieceCheck<'_> {
         if let Some(by) = self.move_inwards(open, wrong.axis) {
             ways.push(move_part(&by));
         }
+        if let Some(lower) = self.lower_rate(open, wrong).filter(|_| has_e) {
+            ways.push(format!("lower E to {lower}"));
+        }
         let programmed = self.plans_as_programmed();
-        let found = self
-            .unlimited(wrong.axis)
-            .and_then(|floor| self.extremes(&self.path, open, (wrong.axis, floor), open.fastest));
+        let found = self.unlimited(wrong.axis).and_then(|floor| {
+            self.extremes(&self.path, open, (wrong.axis, floor), [open.fastest, 1.0])
+        });
         let steps = found.is_none_or(|found| found.step.value > self.step_limit(wrong.axis));
         if programmed && !steps {
             ways.push("plan within the limits of the axes (--limits axes)".to_owned());
@@ -42,6 +45,17 @@ impl PieceCheck<'_> {
             ways.push("keep the path away from here".to_owned());
         }
         format!("no lower feed helps here: {}", ways.join(", or "))
+    }
+
+    /// The acceleration of the element, mm/s², with which an axis keeps its limits along it, if one is known.
+    fn lower_rate(&self, open: &Open, wrong: &Wrong) -> Option<f64> {
+        let (value, limit) = wrong.finding.value.zip(wrong.finding.limit)?;
+        let largest = open.element.acceleration().max(open.element.deceleration()) * 1e3;
+        // Rounded down to three digits.
+        let lower = largest * limit / value;
+        let digit = 10.0_f64.powf(lower.log10().floor() - 2.0);
+        let lower = (lower * (1.0 + 1e-9) / digit).floor() * digit;
+        (lower > 0.0 && self.keeps(&self.path, open, wrong.axis, lower / largest)).then_some(lower)
     }
 
     /// Move of the part away from the edge of the reach, m, machine frame, with which an axis keeps its limits along the element
@@ -73,13 +87,12 @@ impl PieceCheck<'_> {
     fn cures(&self, open: &Open, axis: usize, trial: Trial) -> bool {
         let path = MachinePath::without_motors(self.machine).under(trial);
         let mut others = (0..self.machine.axes.len()).filter(|other| *other != axis);
-        self.keeps(&path, open, axis)
-            && others
-                .all(|other| self.keeps(&path, open, other) || !self.keeps(&self.path, open, other))
+        let keeps = |path: &MachinePath<'_>, axis| self.keeps(path, open, axis, 1.0);
+        keeps(&path, axis) && others.all(|other| keeps(&path, other) || !keeps(&self.path, other))
     }
 
-    /// True if an axis keeps its limits along the element with its feed.
-    fn keeps(&self, path: &MachinePath<'_>, open: &Open, axis: usize) -> bool {
+    /// True if an axis keeps its limits along the element with its feed and a part of its accelerations.
+    fn keeps(&self, path: &MachinePath<'_>, open: &Open, axis: usize, part: f64) -> bool {
         let Some((of, floor)) = self.machine.axes.get(axis).zip(self.unlimited(axis)) else {
             return false;
         };
@@ -89,7 +102,7 @@ impl PieceCheck<'_> {
             deceleration: of.own_deceleration(),
             ..floor
         };
-        let found = self.extremes(path, open, (axis, floor), open.fastest);
+        let found = self.extremes(path, open, (axis, floor), [open.fastest, part]);
         found.is_some_and(|found| {
             found.position.is_none()
                 && found.velocity.value <= EXACT * floor.velocity
