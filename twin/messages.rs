@@ -7,7 +7,8 @@ use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use twin_kinematics::{Kinematics, KinematicsError, ReachOf};
 use twin_machine::axis_couplings::AxesError;
-use twin_machine::{Axis, AxisKind, Machine};
+use twin_machine::axis_kind::AxisKind;
+use twin_machine::{Axis, Machine};
 use twin_path::Place;
 
 /// An axis that goes less than this across a gap is not named, m or rad.
