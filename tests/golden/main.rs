@@ -47,6 +47,7 @@ mod real_stops;
 mod real_switches;
 mod recording;
 mod reference;
+mod remedies;
 mod run_keys;
 mod run_limits;
 mod sequence;

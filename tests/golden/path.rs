@@ -17,8 +17,9 @@ fn a_program_is_seen_at_a_glance() {
         assert!(info.contains(line), "{info}");
     }
     assert!(info.contains("2 arcs, 2 M functions"), "{info}");
-    let viewer = desk.twin(&format!("path {program} --format viewer")).stdout;
-    assert!(viewer.contains("    16  N120 G3 X180 Y80 R15\n"), "{viewer}");
+    let viewer = desk.twin(&format!("path {program} --format viewer"));
+    viewer.ended(0, "").says("    16  N120 G3 X180 Y80 R15\n");
+    let viewer = viewer.stdout;
     assert!(!viewer.contains("(The contour"), "{viewer}");
     let listing = desk.twin(&format!("path {program} --format listing")).stdout;
     assert!(listing.contains("LINPOS") && listing.contains("CCLW"), "{listing}");

@@ -229,7 +229,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         if unfit {
             status = Status::Unfit;
         }
-        if job.elements == 0 && !unfit {
+        // The viewer shows blocks, not elements.
+        if job.elements == 0 && !unfit && !matches!(format, Format::Viewer) {
             stderr!("{} has nothing in it that is a path", source.display());
             status = Status::Unfit;
         }
