@@ -3,6 +3,7 @@
 use super::feeds::LineFeed;
 use super::gaps::Gaps;
 use super::machine_path::{AxisRules, MachinePath, MachinePathError, efforts, overloaded};
+use super::out_of_reach;
 use super::watch::Watch;
 use super::{Change, ProfileSample};
 use crate::finding::{Finding, Rule};
