@@ -156,6 +156,11 @@ impl<'m> Checker<'m> {
         }
     }
 
+    /// Time of the last set-point, ns.
+    pub(super) fn time_ns(&self) -> i64 {
+        self.duration_ns
+    }
+
     /// `None` if the machine cannot take this set-point.
     pub(super) fn tool(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
         self.duration_ns = tool.time_ns;

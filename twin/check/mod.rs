@@ -249,6 +249,7 @@ fn checked(
         });
     }
     checker.pieces(&mut items);
+    progress(Progress { bytes: items.bytes_done(), time_ns: checker.time_ns() });
     if items.elements() == 0 && !checker.findings.any_error() {
         checker.findings.add(None, finding::nothing_moves());
     }

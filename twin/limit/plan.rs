@@ -192,7 +192,7 @@ impl<'m> Profile<'m> {
         self.follower.leave_out_cycles();
     }
 
-    /// The next piece of the plan that has begun.
+    /// The next piece of the plan that is over.
     pub(crate) fn next_piece(&mut self) -> Option<PlannedPiece> {
         self.follower.next_piece()
     }

@@ -138,7 +138,7 @@ where
         self.leaves_out = true;
     }
 
-    /// The next piece of the plan that has begun and was recorded.
+    /// The next piece of the plan that is over and was recorded.
     pub fn next_piece(&mut self) -> Option<PlannedPiece> {
         self.record.as_mut()?.pop_front()
     }
@@ -192,12 +192,6 @@ where
             Planned::Leg(leg) => {
                 self.enter(&leg.element, leg.from + leg.stretch.length());
                 let start = self.reached;
-                if let Some(record) = &mut self.record {
-                    let (element, duration) = (Arc::clone(&leg.element), leg.stretch.duration());
-                    let law = Law::Segment(leg.stretch);
-                    let piece = Piece { from: leg.from, duration, law };
-                    record.push_back(PlannedPiece { element, start, piece });
-                }
                 Current::Along { end: start.after(leg.stretch.duration()), start, leg }
             }
             Planned::Pause(element) => {
@@ -373,6 +367,12 @@ where
                     }
                     if end.reached_at(self.now_ns) {
                         self.reached = end;
+                        if let Some(record) = &mut self.record {
+                            let (element, duration) = (leg.element, leg.stretch.duration());
+                            let law = Law::Segment(leg.stretch);
+                            let piece = Piece { from: leg.from, duration, law };
+                            record.push_back(PlannedPiece { element, start, piece });
+                        }
                         continue;
                     }
                     let mut progress = leg.stretch.at(start.until(self.now_ns));

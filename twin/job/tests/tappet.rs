@@ -6,6 +6,7 @@
 use super::first_cycle::coupled_by;
 use super::{Job, block, job, machine};
 use crate::check::{CheckOptions, Outcome, check};
+use crate::limit::Limits;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use twin_machine::Machine;
@@ -13,7 +14,8 @@ use twin_machine::tappets::Switched;
 use twin_planner::controller::Override;
 
 fn outcome(machine: &Machine, program: &ProgramFile) -> Outcome {
-    let outcome = check(machine, program, CheckOptions::default(), &mut |_| {}).unwrap();
+    let options = CheckOptions { limits: Limits::Programmed, ..CheckOptions::default() };
+    let outcome = check(machine, program, options, &mut |_| {}).unwrap();
     assert_eq!(outcome.findings, []);
     outcome
 }
