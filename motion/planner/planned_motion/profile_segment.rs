@@ -144,7 +144,12 @@ impl ProfileSegment {
                 (b, -a)
             }
             SegmentLaw::Jerk { velocity, acceleration, jerk } => {
-                let time = jerk_duration(u.max(0.0), velocity, acceleration, jerk);
+                // Where it rests at its end, the position says little about the time.
+                let time = if u >= self.length {
+                    self.duration
+                } else {
+                    jerk_duration(u.max(0.0), velocity, acceleration, jerk)
+                };
                 let Progress { velocity, acceleration, .. } = self.at(time);
                 (velocity * velocity, acceleration)
             }
