@@ -83,6 +83,18 @@ impl PlannedPiece {
         times.take_while(|time| *time < self.piece.duration)
     }
 
+    /// Goes on to the end of `next`, if that follows on the same element with the same jerk. False if it does not.
+    pub(crate) fn take_over(&mut self, next: &Self) -> bool {
+        let (Law::Segment(before), Law::Segment(after)) = (self.piece.law, next.piece.law) else {
+            return false;
+        };
+        let both = before.joined(&after).filter(|_| Arc::ptr_eq(&self.element, &next.element));
+        if let Some(both) = both {
+            (self.piece.law, self.piece.duration) = (Law::Segment(both), both.duration());
+        }
+        both.is_some()
+    }
+
     /// When it begins, s after the start of the program.
     pub fn start(&self) -> f64 {
         self.start.seconds()

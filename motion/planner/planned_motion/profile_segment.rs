@@ -2,6 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+/// Velocities and accelerations are the same to this part of them.
+const SAME: f64 = 1e-9;
+
 /// Motion of the path in a cell: the parameter from the start of the cell and its derivatives by time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
@@ -103,6 +106,25 @@ impl ProfileSegment {
         [velocity, acceleration, jerk]: [f64; 3],
     ) -> Self {
         Self { length, law: SegmentLaw::Jerk { velocity, acceleration, jerk }, duration }
+    }
+
+    /// This one and the `next` as one, if both have the same constant jerk and the motion goes on.
+    pub(crate) fn joined(&self, next: &Self) -> Option<Self> {
+        let (
+            SegmentLaw::Jerk { velocity, acceleration, jerk },
+            SegmentLaw::Jerk { velocity: from, acceleration: rate, jerk: other },
+        ) = (self.law, next.law)
+        else {
+            return None;
+        };
+        let end = self.at(self.duration);
+        let near =
+            |one: f64, other: f64| (one - other).abs() <= SAME * (one.abs() + other.abs() + SAME);
+        let goes_on = jerk.to_bits() == other.to_bits()
+            && near(end.velocity, from)
+            && near(end.acceleration, rate);
+        let takes = (self.length + next.length, self.duration + next.duration);
+        goes_on.then(|| Self::jerk(takes, [velocity, acceleration, jerk]))
     }
 
     /// Length of the cell, m.

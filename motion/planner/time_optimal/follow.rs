@@ -371,7 +371,10 @@ where
                             let (element, duration) = (leg.element, leg.stretch.duration());
                             let law = Law::Segment(leg.stretch);
                             let piece = Piece { from: leg.from, duration, law };
-                            record.push_back(PlannedPiece { element, start, piece });
+                            let piece = PlannedPiece { element, start, piece };
+                            if !record.back_mut().is_some_and(|last| last.take_over(&piece)) {
+                                record.push_back(piece);
+                            }
                         }
                         continue;
                     }

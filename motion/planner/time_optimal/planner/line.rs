@@ -5,13 +5,18 @@ use crate::planned_motion::ProfileSegment;
 use crate::time_optimal::axis_path::{AxisPath, AxisPoint};
 use crate::time_optimal::bound::{CapSource, Constraint, number};
 use crate::time_optimal::smooth::Beginning;
+use std::collections::VecDeque;
 use std::sync::Arc;
 use twin_kinematics::AxisVector;
 use twin_path::prepare::CheckedElement;
 use twin_profile::{AxisLimits, Profile, RampType, State};
 
-/// A leg lasts no longer than this, s, or this part of the line: another plan can begin where a leg does.
-const LONGEST: [f64; 2] = [0.01, 1e-4];
+/// So much of the plan behind what is handed out, s, is in legs as short as elsewhere: another plan can begin in it.
+const LOOK: f64 = 0.5;
+/// Steps of the grid that a leg takes: a motion that needs no grid is as exact with fewer.
+const STEPS: f64 = 2.0;
+/// Times that differ by less are one, s.
+const ROUNDING: f64 = 1e-12;
 /// Part by which a limit is changed to see what it costs.
 const SLIGHTLY: f64 = 1e-5;
 
@@ -57,38 +62,23 @@ where
         let (element, from, length) = (&first.element, first.from, last.to - first.from);
         let Some(limits) = self.limits_of_line() else { return false };
         let Some(profile) = limits.profile(length, (0, 1.0)) else { return false };
-        let ends = [first.start.position, last.end.position];
+        let (start, rates) = (first.start.position, first.start.rates.first);
         let duration = profile.duration();
-        let [longest, part] = LONGEST;
-        let longest = longest.max(part * duration);
-        let begins = profile.spans().map(|(begin, ..)| begin).skip(1).chain([duration]);
-        let mut legs = Vec::new();
-        let mut gone = 0.0;
-        for ((begin, state, jerk), end) in profile.spans().zip(begins) {
-            let count = ((end - begin) / longest).ceil().max(1.0);
-            let takes = (end - begin) / count;
-            let mut index = 0.0;
-            while index < count {
-                let State { velocity, acceleration, .. } = advanced(&state, jerk, index * takes);
-                index += 1.0;
-                let to = if end >= duration && index >= count {
-                    length
-                } else {
-                    advanced(&state, jerk, index * takes).position.min(length)
-                };
-                let segment =
-                    ProfileSegment::jerk((to - gone, takes), [velocity, acceleration, jerk]);
-                let start = between(&ends, gone / length);
-                legs.push(Leg {
-                    element: Arc::clone(element),
-                    from: from + gone,
-                    stretch: segment,
-                    start,
-                    is_even: true,
-                });
-                gone = to;
+        let ends = profile.spans().skip(1).map(|(begin, state, _)| (begin, state.position));
+        let ends = ends.chain([(duration, length)]);
+        let spans = profile.spans().zip(ends).map(|((begin, state, jerk), (end, to))| {
+            let State { position, velocity, acceleration } = state;
+            let motion = [velocity, acceleration, jerk];
+            Leg {
+                element: Arc::clone(element),
+                from: from + position,
+                stretch: ProfileSegment::jerk((to - position, end - begin), motion),
+                start: moved(&start, &rates, position),
+                is_even: true,
             }
-        }
+        });
+        self.tail = spans.collect();
+        self.along_line = Some(rates);
         for (index, (_, constraint)) in limits.0.iter().enumerate() {
             let Some(constraint) = constraint else { continue };
             let takes = |factor: f64| {
@@ -98,12 +88,38 @@ where
             *self.costs.entry(*constraint).or_default() += gain;
         }
         self.effort.windows += 1;
+        self.go_along_line(&rates);
+        true
+    }
+
+    /// Hands out what comes next of the plan so far along a line on which the axes have these `rates`.
+    pub(super) fn go_along_line(&mut self, rates: &AxisVector) {
+        let mut tail = VecDeque::from(std::mem::take(&mut self.tail));
+        let step = STEPS * self.options.step;
+        let legs = pop(&mut tail, rates, [self.options.horizon, step]);
         self.effort.cells += legs.len() as u64;
         self.effort.committed += legs.len() as u64;
         self.ready.extend(legs.into_iter().map(|leg| Ok(Planned::Leg(leg))));
-        self.tail.clear();
+        self.kept.clear();
+        let rest = self.cells.last().map(|cell| (Arc::clone(&cell.element), cell.to));
         self.cells.clear();
-        true
+        let (Some(next), Some((element, to))) = (tail.front(), rest) else {
+            (self.beginning, self.along_line) = (Beginning::Rest, None);
+            return;
+        };
+        let (b, a) = next.stretch.at_position(0.0);
+        (self.beginning, self.near) = (Beginning::Moving { b, a }, next.start);
+        self.kept.push(b);
+        let from = next.from;
+        // What may be planned anew is as fine as elsewhere.
+        let mut legs = pop(&mut tail, rates, [LOOK, step]);
+        legs.extend(tail);
+        self.tail = legs;
+        if self.sampler.cells(&element, from..to, &self.near, &mut self.cells).is_err() {
+            // The machine has been there.
+            self.cells.clear();
+        }
+        self.join(0);
     }
 
     /// Limits along the cells at hand, if they are a line that [`Self::plan_line`] can plan.
@@ -153,17 +169,45 @@ where
     }
 }
 
-/// A state `time` s later, with constant jerk.
-fn advanced(state: &State, jerk: f64, time: f64) -> State {
-    let State { position, velocity, acceleration } = *state;
-    State {
-        position: position + time * (velocity + time * (0.5 * acceleration + time * jerk / 6.0)),
-        velocity: velocity + time * (acceleration + 0.5 * time * jerk),
-        acceleration: acceleration + time * jerk,
+/// Takes legs of so long a time from the front of others, in parts of a step, both s.
+fn pop(legs: &mut VecDeque<Leg>, rates: &AxisVector, [time, step]: [f64; 2]) -> Vec<Leg> {
+    let mut parts = Vec::new();
+    let mut left = time;
+    while left > ROUNDING
+        && let Some(leg) = legs.pop_front()
+    {
+        let takes = leg.stretch.duration();
+        let until = if takes > left + ROUNDING { left } else { takes };
+        let mut index = 0.0;
+        let count = (until / step - ROUNDING).ceil().max(1.0);
+        while index < count {
+            let begin = until * index / count;
+            index += 1.0;
+            parts.push(part(&leg, rates, [begin, until * index / count]));
+        }
+        if until < takes {
+            legs.push_front(part(&leg, rates, [until, takes]));
+        }
+        left -= until;
+    }
+    parts
+}
+
+/// A leg between two times, s from its start.
+fn part(leg: &Leg, rates: &AxisVector, [begin, end]: [f64; 2]) -> Leg {
+    let stretch = &leg.stretch;
+    let from = stretch.at(begin);
+    let to = if end < stretch.duration() { stretch.at(end).position } else { stretch.length() };
+    let motion = [from.velocity, from.acceleration, from.jerk];
+    Leg {
+        from: leg.from + from.position,
+        stretch: ProfileSegment::jerk((to - from.position, end - begin), motion),
+        start: moved(&leg.start, rates, from.position),
+        ..leg.clone()
     }
 }
 
-/// Positions a part of the way between two.
-fn between([from, to]: &[AxisVector; 2], part: f64) -> AxisVector {
-    AxisVector::from_values(from.iter().zip(to.iter()).map(|(from, to)| from + part * (to - from)))
+/// Positions of axes with these `rates` a `way` further along the path.
+fn moved(start: &AxisVector, rates: &AxisVector, way: f64) -> AxisVector {
+    AxisVector::from_values(start.iter().zip(rates.iter()).map(|(start, rate)| start + rate * way))
 }

@@ -1,9 +1,10 @@
 //! Minimum speed profile from the present motion: braking as hard as the limits allow.
 
+use super::backlog::rests;
 use super::refine::time;
 use super::{Leg, NOT_SOLVED, Planner};
 use crate::blended_path::BlendedElement;
-use crate::planned_motion::{ProfileSegment, SegmentLaw};
+use crate::planned_motion::ProfileSegment;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::cell::Cell;
 use crate::time_optimal::convex::NotSolved;
@@ -274,12 +275,11 @@ where
         let legs = || self.tail.iter().take(count).map(|leg| &leg.stretch);
         let mut b: Vec<f64> = legs().map(|stretch| stretch.at_position(0.0).0).collect();
         b.extend(legs().next_back().map(|stretch| stretch.at_position(stretch.length()).0));
-        let middle = |stretch: &ProfileSegment| match stretch.law() {
-            SegmentLaw::Quadratic { b, a, .. } => b + a * stretch.length(),
-            // What jerk is constant in is at an end, where c is none of the variables.
-            SegmentLaw::Launch { .. } | SegmentLaw::Landing { .. } | SegmentLaw::Jerk { .. } => {
-                0.5 * (stretch.at_position(0.0).0 + stretch.at_position(stretch.length()).0)
-            }
+        let middle = |stretch: &ProfileSegment| {
+            let (b, a) = stretch.at_position(0.0);
+            let (end, _) = stretch.at_position(stretch.length());
+            // What jerk is constant in from or to rest is at an end, where c is none of the variables.
+            if rests(b) || rests(end) { 0.5 * (b + end) } else { b + a * stretch.length() }
         };
         let mut guess = Guess::rough(b);
         guess.c = legs().map(middle).collect();

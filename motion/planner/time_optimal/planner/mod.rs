@@ -150,6 +150,8 @@ pub struct Planner<I, E, A> {
     kept: Vec<f64>,
     /// What the last window had planned behind what was committed of it: to rest.
     tail: Vec<Leg>,
+    /// If that is the rest of a line, planned in closed form: how the axes move by the path.
+    along_line: Option<AxisVector>,
     beginning: Beginning,
     /// What follows the cells, if they end at a stop.
     after: Option<After<E>>,
@@ -201,6 +203,7 @@ where
             cells: Vec::new(),
             kept: Vec::new(),
             tail: Vec::new(),
+            along_line: None,
             beginning: Beginning::Rest,
             after: None,
             near,
@@ -295,10 +298,16 @@ where
     /// Plans what comes next.
     fn plan(&mut self) {
         if std::mem::take(&mut self.changed) {
+            self.along_line = None;
             self.replan();
             if !self.ready.is_empty() || self.held {
                 return;
             }
+        }
+        if let Some(rates) = self.along_line {
+            self.go_along_line(&rates);
+            self.pass_stop();
+            return;
         }
         match self.plan_window(self.options.horizon, false) {
             Ok(()) | Err(NoWindow::Slower) => {}
