@@ -140,7 +140,7 @@ impl<'m> Checker<'m> {
         let element = piece.element.element();
         let Some(extra) = element.extra() else { return };
         let pairs = extra.start.iter().zip(extra.end);
-        self.missing_axes(element.place, pairs.map(|(start, end)| *start != end));
+        self.missing_axes(element.place, pairs.map(|(start, end)| (end - start).abs() > 0.0));
     }
 
     /// Reports additional axes that move and that the machine does not have, each once.

@@ -44,6 +44,7 @@ pub const DEFAULT_CYCLE_NS: NonZeroU32 = match NonZeroU32::new(1_000_000) {
 /// A ramp once begun is completed before an override or another profile counts; only stops interrupt one. A stop that
 /// brakes comes to rest before the path goes on.
 #[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a state of its own")]
 pub struct Interpolator<P, E> {
     pub(super) plan: P,
     pub(super) cycle_ns: i64,

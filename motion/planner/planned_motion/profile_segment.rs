@@ -252,9 +252,9 @@ fn jerk_duration(length: f64, velocity: f64, acceleration: f64, jerk: f64) -> f6
     for _ in 0..200 {
         let error = left(time);
         if error > 0.0 {
-            high = time
+            high = time;
         } else {
-            low = time
+            low = time;
         }
         let next = time - error / rate(time);
         let next = if next > low && next < high { next } else { f64::midpoint(low, high) };
