@@ -69,22 +69,27 @@ pub enum ReachOf {
 impl ReachOf {
     fn sentence(self, distance: f64, reach: [f64; 2]) -> String {
         let [distance, low, high] = [distance, reach[0], reach[1]].map(|value| value * 1e3);
+        // As many digits as it takes to see that one is beyond the other.
+        let beyond = (distance - low).abs().min((distance - high).abs());
+        let digits = if beyond < 2e-3 { 6 } else { 3 };
         match self {
             Self::Arms => {
-                format!("is {distance:.6} mm away, reach is {low:.6} to {high:.6} mm")
+                format!(
+                    "is {distance:.digits$} mm away, reach is {low:.digits$} to {high:.digits$} mm"
+                )
             }
             Self::Wrist => format!(
-                "with this direction needs the wrist {distance:.6} mm away, its reach is {low:.6} to {high:.6} mm"
+                "with this direction needs the wrist {distance:.digits$} mm away, its reach is {low:.digits$} to {high:.digits$} mm"
             ),
             Self::Rod(carriage) => {
                 let carriage = ["A", "B", "C"].get(carriage).copied().unwrap_or("?");
                 format!(
-                    "needs the rods of carriage {carriage} to span {distance:.6} mm sideways, they are {high:.6} mm long"
+                    "needs the rods of carriage {carriage} to span {distance:.digits$} mm sideways, they are {high:.digits$} mm long"
                 )
             }
             Self::Platform => {
                 format!(
-                    "fits no pose of the platform: a rod would be {distance:.6} mm off its length"
+                    "fits no pose of the platform: a rod would be {distance:.digits$} mm off its length"
                 )
             }
         }

@@ -110,7 +110,8 @@ pub fn worst(findings: &[Finding]) -> Option<&Finding> {
     errors.reduce(|worst, next| if is_worse(next, worst) { next } else { worst })
 }
 
-/// True if an error is worse than another: it is no overload, and that is one, or a larger multiple of its limit.
+/// True if an error is worse than another: it is no overload, and that is one, or it is a larger multiple of its limit, or of the
+/// same rule and farther from its limit.
 pub(crate) fn is_worse(error: &Finding, than: &Finding) -> bool {
     let factor = |finding: &Finding| match finding.rule {
         Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisVelocityStep => {
@@ -121,7 +122,8 @@ pub(crate) fn is_worse(error: &Finding, than: &Finding) -> bool {
     match (factor(error), factor(than)) {
         (None, Some(_)) => true,
         (Some(factor), Some(other)) => factor > other,
-        (_, None) => false,
+        (None, None) => error.rule == than.rule && error.excess() > than.excess(),
+        (Some(_), None) => false,
     }
 }
 

@@ -134,7 +134,7 @@ fn tripods_end_where_rods_are_horizontal() {
     near(target[2], 0.25);
     near(distance, 0.42);
     near(reach[1], 0.4);
-    assert!(error.to_string().contains("carriage A to span 420.000000 mm sideways"), "{error}");
+    assert!(error.to_string().contains("carriage A to span 420.000 mm sideways"), "{error}");
     // In the middle the points on the carriages are in a level plane.
     let margins = margins_at(&tripod, &Vector3::new(0.0, 0.0, -0.3));
     near(margins.branch, (0.16 - overhang * overhang).sqrt());

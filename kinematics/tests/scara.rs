@@ -40,7 +40,7 @@ fn trafo_scara2_unreachable() {
         assert_eq!(Point3::from(target), pose.position);
         assert!((distance - 0.5).abs() < 1e-15);
         assert!((reach[0] - 0.05).abs() < 1e-15 && (reach[1] - 0.45).abs() < 1e-15);
-        let said = "(400.000, 300.000, 0.000) mm is 500.000000 mm away, reach is 50.000000 to 450.000000 mm";
+        let said = "(400.000, 300.000, 0.000) mm is 500.000 mm away, reach is 50.000 to 450.000 mm";
         assert_eq!(error.to_string(), said);
     }
 }
