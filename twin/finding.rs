@@ -114,7 +114,7 @@ pub fn worst(findings: &[Finding]) -> Option<&Finding> {
 /// same rule and farther from its limit.
 pub(crate) fn is_worse(error: &Finding, than: &Finding) -> bool {
     let factor = |finding: &Finding| match finding.rule {
-        Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisVelocityStep => {
+        Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisVelocityStep | Rule::AxisJerk => {
             finding.value.zip(finding.limit).map(|(value, limit)| (value / limit).abs())
         }
         _ => None,

@@ -337,6 +337,15 @@ pub(super) fn leave_out_consequences(findings: &mut Vec<Finding>) {
         .filter(|finding| finding.rule == Rule::Reach)
         .map(|finding| finding.line)
         .collect();
+    let about = |finding: &Finding| (finding.line, finding.axis.clone());
+    let broken = findings
+        .iter()
+        .filter(|finding| finding.rule == Rule::AxisJerk && finding.severity == Severity::Error);
+    let broken: BTreeSet<_> = broken.map(about).collect();
+    findings.retain(|finding| {
+        let warning = finding.rule == Rule::AxisJerk && finding.severity == Severity::Warning;
+        !(warning && broken.contains(&about(finding)))
+    });
     findings.retain(|finding| {
         let follows = matches!(
             finding.rule,
