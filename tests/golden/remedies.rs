@@ -13,7 +13,7 @@ const OUT_OF_REACH: [(&str, f64); 6] = [
     // Through the axis of the first arm.
     ("N10 G92 X150 Y0 Z20\nN20 F50 E500 E-500\nN30 G1 X-50 Y0\n", 0.0),
     ("N10 G92 X100 Y0 Z20\nN20 F50 E500 E-500\nN30 G1 X-100 Y0\n", 0.0),
-    // Beside it.
+    // Next to it.
     ("N10 G92 X100 Y30 Z20\nN20 F50 E500 E-500\nN30 G1 X-100 Y30\n", 30.0),
 ];
 

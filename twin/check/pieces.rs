@@ -25,7 +25,7 @@ use twin_planner::time_optimal::AxisPath;
 pub(super) const EXACT: f64 = 1.0 + 2e-6;
 /// The same for jerks, which are exact to a thousandth.
 const JERK_EXACT: f64 = 1.0 + 2e-3;
-/// A jerk above its limit by more than this factor is no rounding of a plan that keeps it.
+/// A jerk above its limit by more than this factor does not come from the rounding of a plan that keeps it.
 const FAR_ABOVE: f64 = 1.5;
 /// Values below this part of their limits are not looked for between nodes.
 const LITTLE: f64 = 1e-3;

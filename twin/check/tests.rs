@@ -499,3 +499,50 @@ fn an_unreachable_point_is_one_finding() {
     near(seconds(outcome.untaken_ns), 150.0 / 60.0 + 0.3, 1e-3);
     assert_eq!(fit(SCARA2, "% near\nN10 G1 X310 F60\n").untaken_ns, 0);
 }
+
+/// Where only the pieces of a plan are looked at, set-points are left out. On the simulated machine all of them are taken: times,
+/// ends, largest values and findings of the plan are the same.
+#[test]
+fn what_needs_no_setpoints_is_the_same_with_them() {
+    let programs = [
+        "% lines\nN10 G92 X300 Y0 Z20\nN20 G1 X340 Y60 F150 E900 E-700\nN30 G1 Y80 F80\nN40 G2 X300 Y40 I-20 J-20\n",
+        "% waits\nN10 G92 X300 Y0 Z20\nN20 G1 X320 F100 E500 E-500\nN30 M7\nN40 G1 Y33.3\nN50 G0 Z60\n",
+        "% gap\nN10 G92 X300 Y100 Z20\nN20 G1 X310 F100 E500 E-500\nN30 G92 X280 Y100 Z20\nN40 G1 X300\n",
+        "% corner\nN10 G92 X300 Y0 Z20\nN20 G1 X320 F300 E3000 E-3000\nN30 G1 X340 Y0.6\nN40 G1 X360\n",
+        "% beyond\nN10 G92 X300 Y0 Z20\nN20 G1 X700 F300 E3000 E-3000\nN30 G1 X300\n",
+    ];
+    let of_plan = [
+        Rule::Reach,
+        Rule::AxisPosition,
+        Rule::AxisVelocity,
+        Rule::AxisAcceleration,
+        Rule::AxisVelocityStep,
+        Rule::Gap,
+    ];
+    for machine in [GANTRY3, SCARA2] {
+        for program in programs {
+            let [without, with] =
+                [false, true].map(|physics| examine(machine, program, physics).unwrap());
+            let times = |of: &Outcome| (of.duration_ns, of.untaken_ns, of.elements);
+            assert_eq!(times(&without), times(&with), "{program}");
+            let near = |one: f64, other: f64| (one - other).abs() <= 1e-9 * (1.0 + other.abs());
+            let ends = [without.end.unwrap(), with.end.unwrap()];
+            let mut pairs = ends[0].iter().zip(ends[1].iter());
+            assert!(pairs.all(|(one, other)| near(*one, *other)), "{program}");
+            for (one, other) in without.peaks.iter().zip(&with.peaks) {
+                let (positions, others) = (one.position.unwrap(), other.position.unwrap());
+                assert!(
+                    near(positions[0], others[0]) && near(positions[1], others[1]),
+                    "{program}"
+                );
+                assert!(near(one.velocity.value, other.velocity.value), "{program}");
+                assert!(near(one.acceleration.value, other.acceleration.value), "{program}");
+            }
+            let found = |of: &Outcome| -> Vec<_> {
+                let findings = of.findings.iter().filter(|one| of_plan.contains(&one.rule));
+                findings.map(|one| (one.line, one.rule, one.axis.clone())).collect()
+            };
+            assert_eq!(found(&without), found(&with), "{program}");
+        }
+    }
+}
