@@ -110,8 +110,8 @@ pub fn worst(findings: &[Finding]) -> Option<&Finding> {
     errors.reduce(|worst, next| if is_worse(next, worst) { next } else { worst })
 }
 
-/// True if an error is worse than another: it is no overload, and that is one, or it is a larger multiple of its limit, or of the
-/// same rule and farther from its limit.
+/// True if an error is worse than another: only the other one is an overload, or it is a larger multiple of its limit, or both
+/// have one rule and it is farther from its limit.
 pub(crate) fn is_worse(error: &Finding, than: &Finding) -> bool {
     let factor = |finding: &Finding| match finding.rule {
         Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisVelocityStep | Rule::AxisJerk => {

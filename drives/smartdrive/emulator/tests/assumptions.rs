@@ -116,7 +116,7 @@ fn steps_add_up_from_the_target() {
         let expected = under_way.unwrap_or(device.counter() + 100);
         ask_and_rest(&mut device, step(100));
         assert_eq!(device.counter(), expected, "{step_from:?}");
-        // At rest there is no difference, nor after a STOP.
+        // At rest both are the same, and after a STOP.
         ask_and_rest(&mut device, step(-100));
         assert_eq!(device.counter(), expected - 100);
         ask_and_wait(&mut device, go_to(100_000, 0, 0), 300);

@@ -96,7 +96,7 @@ fn line(from: [f64; 2], to: [f64; 2]) -> Shape {
 
 const LIMITS: [[f64; 3]; 4] = [[0.4, 3.0, 1.0], [0.4, 1.0, 3.0], [0.2, 5.0, 0.5], [0.4, 2.0, 2.0]];
 
-/// An arc of 1.6 m at 0.1 mm/s takes over four hours; a window of it is no longer than others.
+/// An arc of 1.6 m at 0.1 mm/s takes over four hours; its windows are as long as those of other paths.
 #[test]
 fn a_long_element_is_planned_window_by_window() {
     for jerk in [None, Some(20.0)] {
