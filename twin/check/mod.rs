@@ -18,6 +18,7 @@ mod gap_tests;
 #[cfg(test)]
 mod input_tests;
 mod instant;
+mod largest_feed;
 mod messages;
 mod options;
 mod pieces;
