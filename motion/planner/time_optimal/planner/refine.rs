@@ -1,8 +1,10 @@
 //! Grid of a window: the cells between which the profile may change its acceleration.
 
 use super::{NoWindow, Planner};
+use crate::planned_motion::ProfileSegment;
 use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::bound::{Cap, CapSource};
+use crate::time_optimal::cell::Cell;
 use crate::time_optimal::grid::Grid;
 use crate::time_optimal::reachable;
 use crate::time_optimal::rows::LEAST_TIME;
@@ -33,6 +35,9 @@ const BEYOND: f64 = 1.5;
 const EVEN_STEP: f64 = 0.04;
 /// Where they move evenly at the largest velocity, cells may take this part of the time to the nearest change.
 const STEADY: f64 = 0.3;
+/// An acceleration or a jerk that is less than this part of its limit at the largest velocity, without ü, leaves room for more:
+/// nothing but that velocity counts.
+const SLACK: f64 = 0.5;
 /// A u̇² is the largest if it is less by no more than this part of it.
 const AT_CAP: f64 = 1e-4;
 /// Places nearer to the end of a cell than this part of its length are at its end.
@@ -208,8 +213,11 @@ where
             pair.is_some_and(|(b, cap)| *b >= cap.v2 * (1.0 - AT_CAP))
         };
         let cells = self.cells.iter().enumerate();
-        let cruises: Vec<bool> =
-            cells.map(|(cell, known)| known.is_even && at_cap(cell) && at_cap(cell + 1)).collect();
+        let cruises = cells.map(|(index, cell)| {
+            let b = b.get(index).copied().unwrap_or_default();
+            at_cap(index) && at_cap(index + 1) && (cell.is_even || self.has_slack(cell, b))
+        });
+        let cruises: Vec<bool> = cruises.collect();
         // Time since the last change, and until the next one.
         let since = |cells: &mut dyn Iterator<Item = (&bool, &f64)>| -> Vec<f64> {
             let mut since = 0.0;
@@ -228,6 +236,16 @@ where
             if *cruises { (STEADY * after.min(*before)).min(EVEN_STEP) } else { 0.0 }
         };
         distances.map(longest).collect()
+    }
+
+    /// True if axes that go through a cell with this u̇² all the way are far from the limits of acceleration and jerk.
+    fn has_slack(&self, cell: &Cell, b: f64) -> bool {
+        let limits = self.sampler.axes().limits();
+        let even = ProfileSegment::uniform(cell.length(), b, b);
+        [&cell.start, &cell.middle, &cell.end].into_iter().all(|sample| {
+            let [acceleration, jerk, _] = sample.excess(limits, &even, 0.0);
+            acceleration <= SLACK && jerk <= SLACK
+        })
     }
 
     /// Cuts cells that take too long at `guess`, but not those that are kept, nor those that begin or end at rest.
