@@ -53,7 +53,7 @@ pub struct MachinePath<'m> {
     limits: Vec<AxisLimits>,
     /// What the motors have to give; none if the machine file limits none of them.
     dynamics: Option<RefCell<PathDynamics>>,
-    /// The axes whose motors are limited.
+    /// The axes whose motors may limit a motion that keeps the limits of the axes.
     motors: Vec<usize>,
     slaves: Slaves,
     trial: Trial,
@@ -100,19 +100,24 @@ impl<'m> MachinePath<'m> {
             deceleration: given(rules.acceleration, limit.deceleration),
             jerk: limit.jerk.filter(|_| rules.jerk),
         });
-        let dynamics = machine.path_dynamics()?.map(RefCell::new);
+        let limits: Vec<AxisLimits> = limits.collect();
+        let dynamics = machine.path_dynamics()?;
+        let largest = limits
+            .iter()
+            .map(|limits| [limits.velocity, limits.acceleration.max(limits.deceleration)]);
+        let enough = match &dynamics {
+            Some(dynamics) if rules.effort => dynamics.always_enough(&largest.collect::<Vec<_>>()),
+            _ => Vec::new(),
+        };
+        let counts = |(axis, enough): (usize, bool)| (!enough).then_some(axis);
         let limited = |axis: &usize| {
             machine.axes.get(*axis).is_some_and(|axis| axis.simulated.effort_limit.is_finite())
         };
-        let motors = if rules.effort && dynamics.is_some() {
-            (0..machine.axes.len()).filter(limited).collect()
-        } else {
-            Vec::new()
-        };
+        let motors = enough.into_iter().enumerate().filter_map(counts).filter(limited).collect();
         Ok(Self {
             machine,
-            limits: limits.collect(),
-            dynamics,
+            limits,
+            dynamics: dynamics.map(RefCell::new),
             motors,
             slaves: Slaves::of(machine),
             trial: Trial::None,
@@ -179,14 +184,11 @@ impl<'m> MachinePath<'m> {
 
     /// As [`AxisPath::further`], where `torque` is known.
     pub(super) fn rows(&self, torque: &TorqueAlongPath, rows: &mut [DragRow]) -> Cap {
-        if self.motors.is_empty() {
-            return Cap::NONE;
-        }
         let mut cap = Cap::NONE;
-        for ((axis, effort), slots) in torque.limited().zip(rows.chunks_mut(2)) {
-            if !holds(effort) {
+        for (axis, slots) in self.motors.iter().copied().zip(rows.chunks_mut(2)) {
+            let Some(effort) = torque.axes().get(axis).filter(|effort| holds(effort)) else {
                 continue;
-            }
+            };
             for (slot, row) in slots.iter_mut().zip(effort.rows(axis)) {
                 *slot = drag_row(&row);
             }

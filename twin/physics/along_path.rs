@@ -86,6 +86,25 @@ impl PathDynamics {
         Ok(Self { equation, weightless, loads: loads.to_vec() })
     }
 
+    /// True for each axis whose motor has enough at every place and in every motion, as long as no axis exceeds its limits of
+    /// velocity and acceleration, `limits`, SI. Not known, and false, where something turns.
+    pub fn always_enough(&self, limits: &[[f64; 2]]) -> Vec<bool> {
+        let Equation::Tree(tree) = &self.equation else { return vec![false; self.loads.len()] };
+        let Some((inertia, weight)) = tree.uniform() else { return vec![false; self.loads.len()] };
+        let enough = |(axis, load): (usize, &AxisLoad)| {
+            let moves = limits.iter().enumerate().map(|(other, [_, most])| match inertia[(axis, other)] {
+                0.0 => 0.0,
+                inertia => inertia.abs() * most,
+            });
+            let velocity = limits.get(axis).map_or(f64::INFINITY, |[velocity, _]| *velocity);
+            let drag = if load.viscous_friction > 0.0 { load.viscous_friction * velocity } else { 0.0 };
+            let left = 1.0 - load.headroom;
+            let spare = load.effort_limit - weight[axis].abs() - load.coulomb_friction;
+            moves.sum::<f64>() + left * drag <= left * left * spare
+        };
+        self.loads.iter().enumerate().map(enough).collect()
+    }
+
     /// At `position` (m or rad), where the derivatives of the positions by the path parameter are `first` (q′) and
     /// `second` (q″).
     ///

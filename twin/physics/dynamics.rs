@@ -88,6 +88,11 @@ impl Dynamics {
         self.axis_count
     }
 
+    /// Inertia and efforts against gravity, if nothing turns: then they are the same everywhere.
+    pub(super) fn uniform(&self) -> Option<(&JointMatrix, &JointVector)> {
+        Some((&self.inertia, self.weight.as_ref()?))
+    }
+
     /// The efforts that give the joint accelerations `acceleration` at `position` and `velocity`.
     pub(super) fn inverse_dynamics(
         &mut self,

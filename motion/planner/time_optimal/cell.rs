@@ -1,6 +1,5 @@
 //! Cell: a part of an element of the blended path with its limits at both ends.
 
-use super::axis_path::MOST_FURTHER_ROWS;
 use super::bound::{AxisLimits, Cap, Disc, FIRST_FURTHER_ROW, Rates, Row};
 use super::drag::DragRow;
 use crate::blended_path::BlendedElement;
@@ -12,7 +11,7 @@ use twin_kinematics::AxisVector;
 pub(super) const ALONG: usize = FIRST_FURTHER_ROW as usize;
 
 /// Sample: the limits at one place of an element.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Sample {
     pub(super) position: AxisVector,
     pub(super) rates: Rates,
@@ -22,22 +21,18 @@ pub(super) struct Sample {
     /// The programmed accelerations along the path.
     pub(super) along: [Row; ALONG],
     /// Rows of [`AxisPath::further`].
-    pub(super) further: [DragRow; MOST_FURTHER_ROWS],
+    pub(super) further: Vec<DragRow>,
     /// Drag is counted as it is at this u̇; for more at any other.
     pub(super) reference: f64,
     pub(super) disc: Option<Disc>,
 }
 
 impl Sample {
-    /// All half planes, in the order of their numbers: with `further` ones behind those along the path.
-    pub(super) fn rows(&self, further: usize) -> [Row; ALONG + MOST_FURTHER_ROWS] {
-        let mut rows = [Row::default(); ALONG + MOST_FURTHER_ROWS];
-        let (along, others) = rows.split_at_mut(ALONG);
-        along.copy_from_slice(&self.along);
-        for (row, further) in others.iter_mut().zip(&self.further).take(further) {
-            *row = further.tangent(self.reference);
-        }
-        rows
+    /// Puts all half planes into `rows`, in the order of their numbers.
+    pub(super) fn put_rows(&self, rows: &mut Vec<Row>) {
+        rows.clear();
+        rows.extend(self.along);
+        rows.extend(self.further.iter().map(|row| row.tangent(self.reference)));
     }
 
     /// The bound of u̇².
@@ -104,7 +99,7 @@ impl Cell {
     pub(super) fn between(&self, part: f64) -> Sample {
         let ends = self.start.position.iter().zip(self.end.position.iter());
         let position = AxisVector::from_values(ends.map(|(from, to)| from + part * (to - from)));
-        Sample { position, transition: Cap::NONE, ..*self.start }
+        Sample { position, transition: Cap::NONE, ..Sample::clone(&self.start) }
     }
 
     pub(super) fn length(&self) -> f64 {

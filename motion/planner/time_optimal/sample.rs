@@ -1,6 +1,6 @@
 //! Sampling: elements of the blended path as cells with their limits.
 
-use super::axis_path::{AxisPath, AxisPoint, MOST_FURTHER_ROWS};
+use super::axis_path::{AxisPath, AxisPoint};
 use super::bound::{Cap, CapSource, Disc, Row};
 use super::cell::{ALONG, Cell, Sample};
 use super::drag::DragRow;
@@ -242,9 +242,9 @@ impl<A: AxisPath> Sampler<A> {
                 *row = Row { a: scale / limit, b: bend / limit };
             }
         }
-        let mut further = [DragRow::default(); MOST_FURTHER_ROWS];
+        let mut further = vec![DragRow::default(); self.axes.further_rows()];
         let mut reference = f64::INFINITY;
-        if self.axes.further_rows() > 0 {
+        if !further.is_empty() {
             // The largest velocity that is possible here.
             let limits = self.axes.limits().iter().zip(rates.first.iter());
             let axes = limits.map(|(limits, first)| limits.velocity / first.abs());
@@ -339,19 +339,19 @@ fn is_smooth(cell: &Cell) -> bool {
 
 /// The grid of `cells`.
 pub(super) fn grid<A: AxisPath>(sampler: &Sampler<A>, cells: &[Cell]) -> Grid {
-    let further = sampler.axes.further_rows().min(MOST_FURTHER_ROWS);
-    let extra = ALONG + further;
+    let extra = ALONG + sampler.axes.further_rows();
     let mut grid = Grid::new(sampler.axes.limits().to_vec(), extra, 0.0);
+    let (mut of_start, mut of_end) = (Vec::new(), Vec::new());
     for cell in cells {
-        let rows = [&cell.start, &cell.end].map(|sample| sample.rows(further));
+        cell.start.put_rows(&mut of_start);
+        cell.end.put_rows(&mut of_end);
         let end = |sample: &Sample, rows| CellEnd {
             rates: sample.rates,
             cap: sample.cap,
             rows,
             disc: sample.disc,
         };
-        let [of_start, of_end] = rows.each_ref().map(|rows| rows.get(..extra).unwrap_or_default());
-        let (start, end) = (end(&cell.start, of_start), end(&cell.end, of_end));
+        let (start, end) = (end(&cell.start, of_start.as_slice()), end(&cell.end, &of_end));
         grid.push(cell.length(), &start, &end);
         grid.bend_last(&cell.middle.rates);
         let [.., velocity] = cell.tight;
