@@ -10,6 +10,7 @@ use crate::limit::Limits;
 use crate::messages::add_moves;
 use crate::peak::AxisPeak;
 use crate::program::ProgramFile;
+use std::collections::HashSet;
 use twin_machine::Machine;
 use twin_planner::planned_motion::PlannedPiece;
 
@@ -41,13 +42,14 @@ impl<'m> PlanCheck<'m> {
         self.pieces.take(piece, peaks, &mut self.findings, self.rapids);
     }
 
-    /// Nothing follows: adds what was found to `findings`, each line's once.
+    /// Nothing follows: adds what was found to `findings`, in the place of what set-points have shown of the same.
     pub(crate) fn finish(&mut self, peaks: &mut [AxisPeak], findings: &mut Vec<Finding>) {
         self.pieces.finish(peaks, &mut self.findings, self.rapids);
         let (found, _) = std::mem::take(&mut self.findings).into_list();
         let about = |finding: &Finding| (finding.line, finding.rule, finding.axis.clone());
-        let known: Vec<_> = findings.iter().map(about).collect();
-        findings.extend(found.into_iter().filter(|one| !known.contains(&about(one))));
+        let exact: HashSet<_> = found.iter().map(about).collect();
+        findings.retain(|one| !exact.contains(&about(one)));
+        findings.extend(found);
         leave_out_consequences(findings);
         add_moves(self.pieces.machine, findings);
     }

@@ -22,7 +22,7 @@ use twin_planner::blended_path::{BlendOptions, BlendedElement, Order};
 use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
 use twin_planner::planned_motion::PlannedPiece;
 use twin_planner::time_optimal::{
-    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, Planner, Rates,
+    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, Planner, Rates, Shown,
 };
 
 /// Limits that count in a plan.
@@ -187,9 +187,9 @@ impl<'m> Profile<'m> {
         self.follower.record();
     }
 
-    /// Leaves out set-points of which the pieces say everything.
-    pub(crate) fn leave_out_cycles(&mut self) {
-        self.follower.leave_out_cycles();
+    /// Makes no more set-points than those, because the pieces say the rest.
+    pub(crate) fn show(&mut self, shown: Shown) {
+        self.follower.show(shown);
     }
 
     /// The next piece of the plan that is over.

@@ -15,7 +15,7 @@ use twin_machine::Machine;
 use twin_planner::blended_path::BlendedElement;
 use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
 use twin_planner::planned_motion::PlannedPiece;
-use twin_planner::time_optimal::{Follower, LimitError};
+use twin_planner::time_optimal::{Follower, LimitError, Shown};
 
 /// A program within the limits of the axes.
 #[derive(Debug)]
@@ -77,7 +77,7 @@ impl<'m> WithinAxes<'m> {
     /// Leaves out set-points of a check of which the pieces say everything.
     pub(super) fn leave_out_cycles(&mut self) {
         if let Motion::Checked(profile) = &mut self.motion {
-            profile.leave_out_cycles();
+            profile.show(Shown::Elements);
         }
     }
 

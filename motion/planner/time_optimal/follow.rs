@@ -89,14 +89,27 @@ pub struct Follower<P> {
     over: bool,
     /// Pieces of the plan, if they are recorded.
     record: Option<VecDeque<PlannedPiece>>,
-    /// Set-points of an element but its first are left out where the axes move evenly; the element that had one.
-    leaves_out: bool,
+    shown: Shown,
+    /// The last element that had a set-point.
     sampled: Option<Arc<BlendedElement>>,
+}
+
+/// Set-points that are made, for those who take the recorded pieces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shown {
+    /// One per cycle.
+    #[default]
+    Cycles,
+    /// The first of every leg, and all of elements on which something is switched.
+    Legs,
+    /// As with legs, but only the first of an element where all axes move evenly.
+    Elements,
 }
 
 #[derive(Debug)]
 enum Current {
-    Along { leg: Leg, start: Instant, end: Instant },
+    /// `shown`: it has had a set-point.
+    Along { leg: Leg, start: Instant, end: Instant, shown: bool },
     Still { until_ns: i64 },
     Held { until_ns: i64 },
 }
@@ -122,7 +135,7 @@ where
             stopping: false,
             over: false,
             record: None,
-            leaves_out: false,
+            shown: Shown::Cycles,
             sampled: None,
         }
     }
@@ -132,10 +145,9 @@ where
         self.record = Some(VecDeque::new());
     }
 
-    /// Leaves out the set-points of an element but its first where all axes move evenly and nothing is switched, for those who
-    /// take the recorded pieces.
-    pub fn leave_out_cycles(&mut self) {
-        self.leaves_out = true;
+    /// Makes these set-points from now on.
+    pub fn show(&mut self, shown: Shown) {
+        self.shown = shown;
     }
 
     /// The next piece of the plan that is over and was recorded.
@@ -192,7 +204,8 @@ where
             Planned::Leg(leg) => {
                 self.enter(&leg.element, leg.from + leg.stretch.length());
                 let start = self.reached;
-                Current::Along { end: start.after(leg.stretch.duration()), start, leg }
+                let end = start.after(leg.stretch.duration());
+                Current::Along { end, start, leg, shown: false }
             }
             Planned::Pause(element) => {
                 self.enter(&element, 0.0);
@@ -213,10 +226,18 @@ where
         Ok(true)
     }
 
-    /// True if a leg needs no set-point.
-    fn is_left_out(&self, leg: &Leg) -> bool {
-        let sampled = self.sampled.as_ref().is_some_and(|last| Arc::ptr_eq(last, &leg.element));
-        sampled && leg.is_even && leg.element.element().switches().is_empty()
+    /// True if a leg needs no more set-points; `shown`: it has had one.
+    fn is_left_out(&self, leg: &Leg, shown: bool) -> bool {
+        let sampled = || {
+            let same = |last: &Arc<BlendedElement>| Arc::ptr_eq(last, &leg.element);
+            leg.is_even && self.sampled.as_ref().is_some_and(same)
+        };
+        let enough = match self.shown {
+            Shown::Cycles => false,
+            Shown::Legs => shown,
+            Shown::Elements => shown || sampled(),
+        };
+        enough && leg.element.element().switches().is_empty()
     }
 
     /// Duration of a pause, ns.
@@ -249,7 +270,7 @@ where
 
     fn along(&mut self, element: &Arc<BlendedElement>, progress: Progress) -> Followed {
         let status = Status::of_acceleration(progress.acceleration);
-        if self.leaves_out {
+        if self.shown == Shown::Elements {
             self.sampled = Some(Arc::clone(element));
         }
         self.setpoint(element, progress, status)
@@ -361,8 +382,8 @@ where
                     Ok(false) => self.over = true,
                     Err(error) => return Some(Err(error)),
                 },
-                Some(Current::Along { leg, start, end }) => {
-                    if self.is_left_out(&leg) {
+                Some(Current::Along { leg, start, end, shown }) => {
+                    if self.is_left_out(&leg, shown) {
                         self.now_ns = end.first_cycle(self.now_ns, self.cycle_ns);
                     }
                     if end.reached_at(self.now_ns) {
@@ -381,7 +402,7 @@ where
                     let mut progress = leg.stretch.at(start.until(self.now_ns));
                     progress.position += leg.from;
                     let followed = self.along(&leg.element, progress);
-                    self.current = Some(Current::Along { leg, start, end });
+                    self.current = Some(Current::Along { leg, start, end, shown: true });
                     return Some(Ok(followed));
                 }
                 Some(Current::Still { until_ns } | Current::Held { until_ns })

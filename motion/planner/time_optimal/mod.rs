@@ -36,7 +36,7 @@ pub use bound::{
 };
 pub use convex::NotSolved;
 pub use drag::DragRow;
-pub use follow::{Followed, Follower, MTimes, Replan};
+pub use follow::{Followed, Follower, MTimes, Replan, Shown};
 pub use grid::{CellEnd, Grid};
 pub use options::LimitOptions;
 pub use plan_executor::{Arrival, Lead, PlanExecutor};

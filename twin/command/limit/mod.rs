@@ -25,6 +25,7 @@ use twin_gcode::refeed::LineLimit;
 use twin_machine::Machine;
 use twin_machine::text;
 use twin_planner::planned_motion::PlannedPiece;
+use twin_planner::time_optimal::Shown;
 
 /// Plan a program as fast as all limits of the machine allow: which limit holds it back, where, and what it costs
 ///
@@ -212,6 +213,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             let profile = Profile::new(&program, &machine, arguments.rules()?);
             let mut profile = profile.map_err(|failure| failed(&program, failure))?;
             profile.record();
+            if outputs.is_empty() && machine.couplings.is_empty() {
+                profile.show(Shown::Legs);
+            }
             let (read, piece) = (Profile::bytes_read, Profile::next_piece);
             job.follow(&mut profile, (read, piece), &mut outputs)?;
             job.within_axes(profile)

@@ -45,6 +45,11 @@ impl<'m> Outputs<'m> {
         Ok(outputs)
     }
 
+    /// True if nothing is written.
+    pub(super) fn is_empty(&self) -> bool {
+        self.tables.is_empty() && self.pictures.is_empty()
+    }
+
     pub(super) fn include(&mut self, sample: &ProfileSample) -> Result<(), Failure> {
         for (path, table) in &mut self.tables {
             table.write(sample).map_err(|error| unwritable(path, error.into()))?;

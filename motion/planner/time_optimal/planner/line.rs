@@ -1,7 +1,8 @@
 //! Closed form of the motion along a straight line between two stops, where every axis moves as evenly as the path.
 
+use super::refine::EVEN_STEP;
 use super::{Leg, Planned, Planner};
-use crate::planned_motion::ProfileSegment;
+use crate::planned_motion::{ProfileSegment, Progress};
 use crate::time_optimal::axis_path::{AxisPath, AxisPoint};
 use crate::time_optimal::bound::{CapSource, Constraint, number};
 use crate::time_optimal::smooth::Beginning;
@@ -179,6 +180,8 @@ fn pop(legs: &mut VecDeque<Leg>, rates: &AxisVector, [time, step]: [f64; 2]) -> 
         let takes = leg.stretch.duration();
         let until = if takes > left + ROUNDING { left } else { takes };
         let mut index = 0.0;
+        let Progress { acceleration, jerk, .. } = leg.stretch.at(0.0);
+        let step = if acceleration == 0.0 && jerk == 0.0 { EVEN_STEP } else { step };
         let count = (until / step - ROUNDING).ceil().max(1.0);
         while index < count {
             let begin = until * index / count;

@@ -280,8 +280,7 @@ where
         let mut check = 16;
         while self.after.is_none() && !self.budget.is_spent() {
             if self.cells.len() >= check {
-                let grid = grid(&self.sampler, &self.cells);
-                if self.estimate(&grid).1 >= horizon {
+                if self.horizons().iter().sum::<f64>() >= horizon {
                     return;
                 }
                 check = self.cells.len() + self.cells.len() / 2;

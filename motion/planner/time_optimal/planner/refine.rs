@@ -31,8 +31,10 @@ const FEWEST_STEPS: f64 = 12.0;
 const TOO_LONG: f64 = 1.6;
 /// A path that takes less than this number of horizons is planned in one window.
 const BEYOND: f64 = 1.5;
+/// Where nothing but the largest velocity counts a window may go on for so many times its horizon: in parts of it.
+const CRUISE: f64 = 0.1;
 /// Cells in which the axes move evenly take no longer than this, s: what follows a window may ask for braking in them.
-const EVEN_STEP: f64 = 0.04;
+pub(super) const EVEN_STEP: f64 = 0.04;
 /// Where they move evenly at the largest velocity, cells may take this part of the time to the nearest change.
 const STEADY: f64 = 0.3;
 /// An acceleration or a jerk that is less than this part of its limit at the largest velocity, without ü, leaves room for more:
@@ -83,17 +85,26 @@ where
         (b, duration)
     }
 
+    /// How much of the horizon each cell takes up, s: less than its time where nothing is to be chosen.
+    pub(super) fn horizons(&self) -> Vec<f64> {
+        let grid = grid(&self.sampler, &self.cells);
+        let (b, _) = self.estimate(&grid);
+        let pairs = b.windows(2).zip(&self.cells);
+        let times = pairs.map(|(pair, cell)| time(pair, cell.length(), self.jerk_limited));
+        let times: Vec<f64> = times.collect();
+        let cruises = self.cruises(&grid, &b);
+        let parts = times.iter().zip(cruises);
+        parts.map(|(takes, cruises)| if cruises { CRUISE * takes } else { *takes }).collect()
+    }
+
     /// Leaves what is more than `horizon` s ahead for the next window.
     pub(super) fn cut_off(&mut self, horizon: f64) -> Result<(), NoWindow> {
-        let (b, duration) = self.estimate(&grid(&self.sampler, &self.cells));
-        if duration < BEYOND * horizon {
+        let horizons = self.horizons();
+        if horizons.iter().sum::<f64>() < BEYOND * horizon {
             return Ok(());
         }
         let mut left = horizon;
-        let ends = b.iter().zip(b.iter().skip(1)).zip(&self.cells);
-        let times =
-            ends.map(|((from, to), cell)| time(&[*from, *to], cell.length(), self.jerk_limited));
-        let mut times = times.enumerate();
+        let mut times = horizons.into_iter().enumerate();
         // What was planned before stays in the window, and something is to be new.
         let least = self.kept.len();
         let Some((index, takes)) = times.find(|(index, takes)| {
@@ -207,17 +218,7 @@ where
     /// How long cells may take because nothing changes in them or near them, s: the axes move evenly, and `b` is as large as it may
     /// be. 0 for all others.
     fn steady(&self, grid: &Grid, b: &[f64], times: &[f64]) -> Vec<f64> {
-        let caps = grid.caps();
-        let at_cap = |node: usize| {
-            let pair = b.get(node).zip(caps.get(node));
-            pair.is_some_and(|(b, cap)| *b >= cap.v2 * (1.0 - AT_CAP))
-        };
-        let cells = self.cells.iter().enumerate();
-        let cruises = cells.map(|(index, cell)| {
-            let b = b.get(index).copied().unwrap_or_default();
-            at_cap(index) && at_cap(index + 1) && (cell.is_even || self.has_slack(cell, b))
-        });
-        let cruises: Vec<bool> = cruises.collect();
+        let cruises = self.cruises(grid, b);
         // Time since the last change, and until the next one.
         let since = |cells: &mut dyn Iterator<Item = (&bool, &f64)>| -> Vec<f64> {
             let mut since = 0.0;
@@ -236,6 +237,21 @@ where
             if *cruises { (STEADY * after.min(*before)).min(EVEN_STEP) } else { 0.0 }
         };
         distances.map(longest).collect()
+    }
+
+    /// True for each cell in which nothing but the largest velocity counts, which is the same all the way, and which `b` is at.
+    fn cruises(&self, grid: &Grid, b: &[f64]) -> Vec<bool> {
+        let caps = grid.caps();
+        let at_cap = |node: usize| {
+            let pair = b.get(node).zip(caps.get(node));
+            pair.is_some_and(|(b, cap)| *b >= cap.v2 * (1.0 - AT_CAP))
+        };
+        let cruises = |(index, cell): (usize, &Cell)| {
+            let Some([from, to]) = b.get(index..index + 2) else { return false };
+            let is_level = (from - to).abs() <= AT_CAP * from && at_cap(index) && at_cap(index + 1);
+            is_level && (cell.is_even || self.has_slack(cell, *from))
+        };
+        self.cells.iter().enumerate().map(cruises).collect()
     }
 
     /// True if axes that go through a cell with this u̇² all the way are far from the limits of acceleration and jerk.
