@@ -1,10 +1,13 @@
-//! Closed form of the motion along a straight line between two stops, where every axis moves as evenly as the path.
+//! Closed form of the motion along a straight line between two stops, of one element or of several in a row, where every axis
+//! moves as evenly as the path.
 
+use super::backlog::parts;
 use super::refine::EVEN_STEP;
 use super::{Leg, Planned, Planner};
 use crate::planned_motion::{ProfileSegment, Progress};
-use crate::time_optimal::axis_path::{AxisPath, AxisPoint};
+use crate::time_optimal::axis_path::AxisPath;
 use crate::time_optimal::bound::{CapSource, Constraint, number};
+use crate::time_optimal::cell::Cell;
 use crate::time_optimal::smooth::Beginning;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -18,6 +21,8 @@ const LOOK: f64 = 0.5;
 const STEPS: f64 = 2.0;
 /// Times that differ by less are one, s.
 const ROUNDING: f64 = 1e-12;
+/// Values are the same to this part of them.
+const SAME: f64 = 1e-9;
 /// Part by which a limit is changed to see what it costs.
 const SLIGHTLY: f64 = 1e-5;
 
@@ -57,10 +62,8 @@ where
     /// Plans the cells at hand in closed form if they are one straight line from rest to rest on which all axes move evenly. False
     /// if they are not.
     pub(super) fn plan_line(&mut self) -> bool {
-        let ([first, ..], [.., last]) = (self.cells.as_slice(), self.cells.as_slice()) else {
-            return false;
-        };
-        let (element, from, length) = (&first.element, first.from, last.to - first.from);
+        let Some(first) = self.cells.first() else { return false };
+        let length = self.cells.iter().map(Cell::length).sum();
         let Some(limits) = self.limits_of_line() else { return false };
         let Some(profile) = limits.profile(length, (0, 1.0)) else { return false };
         let (start, rates) = (first.start.position, first.start.rates.first);
@@ -71,14 +74,14 @@ where
             let State { position, velocity, acceleration } = state;
             let motion = [velocity, acceleration, jerk];
             Leg {
-                element: Arc::clone(element),
-                from: from + position,
+                element: Arc::clone(&first.element),
+                from: position,
                 stretch: ProfileSegment::jerk((to - position, end - begin), motion),
                 start: moved(&start, &rates, position),
                 is_even: true,
             }
         });
-        self.tail = spans.collect();
+        self.tail = spread(spans.collect(), &self.cells, &rates);
         self.along_line = Some(rates);
         for (index, (_, constraint)) in limits.0.iter().enumerate() {
             let Some(constraint) = constraint else { continue };
@@ -102,25 +105,31 @@ where
         self.effort.committed += legs.len() as u64;
         self.ready.extend(legs.into_iter().map(|leg| Ok(Planned::Leg(leg))));
         self.kept.clear();
-        let rest = self.cells.last().map(|cell| (Arc::clone(&cell.element), cell.to));
-        self.cells.clear();
-        let (Some(next), Some((element, to))) = (tail.front(), rest) else {
+        let cells = std::mem::take(&mut self.cells);
+        let Some(next) = tail.front() else {
             (self.beginning, self.along_line) = (Beginning::Rest, None);
             return;
         };
         let (b, a) = next.stretch.at_position(0.0);
         (self.beginning, self.near) = (Beginning::Moving { b, a }, next.start);
         self.kept.push(b);
-        let from = next.from;
+        let (element, from) = (Arc::clone(&next.element), next.from);
         // What may be planned anew is as fine as elsewhere.
         let mut legs = pop(&mut tail, rates, [LOOK, step]);
         legs.extend(tail);
         self.tail = legs;
-        if self.sampler.cells(&element, from..to, &self.near, &mut self.cells).is_err() {
-            // The machine has been there.
-            self.cells.clear();
+        let reached = |cell: &Cell| Arc::ptr_eq(&cell.element, &element) && cell.to > from;
+        let rest = cells.into_iter().skip_while(|cell| !reached(cell));
+        for part in parts(&rest.collect::<Vec<_>>()) {
+            let begin = if Arc::ptr_eq(&part.element, &element) { from } else { part.from };
+            let known = self.cells.len();
+            let range = begin..part.to;
+            if self.sampler.cells(&part.element, range, &self.near, &mut self.cells).is_err() {
+                // The machine has been there.
+                self.cells.truncate(known);
+            }
+            self.join(known);
         }
-        self.join(0);
     }
 
     /// Limits along the cells at hand, if they are a line that [`Self::plan_line`] can plan.
@@ -128,22 +137,21 @@ where
         let ([first, ..], [.., last]) = (self.cells.as_slice(), self.cells.as_slice()) else {
             return None;
         };
-        let (element, start) = (&first.element, &first.start);
+        let (axes, start, cap) = (self.sampler.axes(), &first.start, first.start.cap);
         let rests = self.beginning == Beginning::Rest && self.kept.is_empty() && self.stops();
-        let alone = Arc::ptr_eq(element, &last.element)
-            && element.head().is_none()
-            && element.tail().is_none();
-        let axes = self.sampler.axes();
-        if !rests || !alone || axes.further_rows() > 0 {
+        let ends = [first, last].map(|cell| &cell.element);
+        if !rests || ends[0].head().is_some() || ends[1].tail().is_some() {
             return None;
         }
-        let point = AxisPoint { position: start.position, rates: start.rates };
-        if !axes.disc(element, first.from, &point)?.is_even {
-            return None;
-        }
-        let cap = start.cap;
-        let same = |other: f64| other.to_bits() == cap.v2.to_bits();
-        if !self.cells.iter().all(|cell| same(cell.start.cap()) && same(cell.end.cap())) {
+        let goes_on = |cell: &Cell| {
+            let along = cell.start.along.iter().zip(&start.along);
+            cell.is_even
+                && [&cell.start, &cell.end].into_iter().all(|end| same(end.cap(), cap.v2))
+                && along.into_iter().all(|(here, there)| same(here.a, there.a))
+                && are_same(&cell.start.rates.first, &start.rates.first)
+        };
+        let passes = |cell: &Cell| cell.joint.v2 >= cap.v2;
+        if !self.cells.iter().all(goes_on) || !self.cells.iter().rev().skip(1).all(passes) {
             return None;
         }
         let mut limits = Limits([(f64::INFINITY, None); 4]);
@@ -168,6 +176,45 @@ where
         }
         Some(limits)
     }
+}
+
+/// True if two values are one but for rounding.
+fn same(one: f64, other: f64) -> bool {
+    (one - other).abs() <= SAME * one.abs() || one.to_bits() == other.to_bits()
+}
+
+/// True if the axes move in the same direction but for rounding.
+fn are_same(one: &AxisVector, other: &AxisVector) -> bool {
+    let most = one.iter().fold(0.0, |most: f64, rate| most.max(rate.abs()));
+    one.iter().zip(other.iter()).all(|(one, other)| (one - other).abs() <= SAME * most)
+}
+
+/// Spans from rest to rest, whose places are ways from the start, as legs of the `cells` that they go through.
+fn spread(mut spans: VecDeque<Leg>, cells: &[Cell], rates: &AxisVector) -> Vec<Leg> {
+    let mut legs = Vec::new();
+    let (mut begin, mut left) = (0.0, cells.len());
+    for cell in cells {
+        let end = begin + cell.length();
+        left -= 1;
+        while let Some(span) = spans.pop_front() {
+            let (way, takes) = (end - span.from, span.stretch.duration());
+            let ends = left > 0 && way <= span.stretch.length();
+            let until = if ends { ProfileSegment::new(way, span.stretch.law()).duration() } else { takes };
+            if until < takes - ROUNDING {
+                spans.push_front(Leg { from: end, ..part(&span, rates, [until, takes]) });
+            }
+            let here = if ends { part(&span, rates, [0.0, until]) } else { span };
+            let (element, from) = (Arc::clone(&cell.element), cell.from + here.from - begin);
+            if until > ROUNDING {
+                legs.push(Leg { element, from, ..here });
+            }
+            if ends {
+                break;
+            }
+        }
+        begin = end;
+    }
+    legs
 }
 
 /// Takes legs of so long a time from the front of others, in parts of a step, both s.
