@@ -1,5 +1,6 @@
 //! Convex programs for Clarabel: min ½·xᵀ·P·x + qᵀ·x with A·x ≤ 1, P tridiagonal, rows of a few neighbours, cones.
 
+use super::banded::{BandAnswer, BandProgram, BandRow};
 use super::bound::Constraint;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
@@ -73,6 +74,8 @@ const KEPT_JERK: f64 = 2e-3;
 
 /// Where there is an answer it takes less than a third of these iterations.
 const MOST_ITERATIONS: u32 = 100;
+/// By bands.
+const MOST_STEPS: u32 = 60;
 
 /// Less is rounding of the solver.
 const NO_GAIN: f64 = 1e-9;
@@ -262,11 +265,41 @@ impl Program {
         })
     }
 
-    /// Solves it to `tolerance` (of feasibility and, relative, of the cost).
+    /// Solves it to `tolerance` (of feasibility and, relative, of the cost): by bands, and by Clarabel where there are cones, or
+    /// where the bands come to no answer.
     ///
     /// # Errors
     /// If Clarabel comes to no answer of at least nearly that quality.
     pub(super) fn solve(&self, tolerance: f64) -> Result<Answer, NotSolved> {
+        self.solve_banded(tolerance).map_or_else(|| self.solve_with_clarabel(tolerance), Ok)
+    }
+
+    /// By bands; none where that comes to no answer.
+    fn solve_banded(&self, tolerance: f64) -> Option<Answer> {
+        if !self.cones.is_empty() {
+            return None;
+        }
+        let mut from = 0;
+        let rows = self.ends.iter().zip(&self.right).map(|(end, right)| {
+            let entries = self.entries.get(from..*end).unwrap_or_default();
+            from = *end;
+            let first = entries.iter().map(|(index, _)| *index).min().unwrap_or_default();
+            let mut row = BandRow { first, factors: [0.0; 3], right: *right };
+            for (index, value) in entries {
+                *row.factors.get_mut(index - first)? += value;
+            }
+            Some(row)
+        });
+        let rows: Vec<BandRow> = rows.collect::<Option<_>>()?;
+        let (diagonal, beside, linear) = (&self.diagonal, &self.beside, &self.linear);
+        let most = self.most_iterations.unwrap_or(MOST_STEPS).min(MOST_STEPS);
+        let BandAnswer { x, duals, iterations } =
+            BandProgram { diagonal, beside, linear, rows: &rows }.solve(tolerance, most)?;
+        Some(Answer { x, gains: self.gains(&duals), iterations })
+    }
+
+    /// By Clarabel.
+    fn solve_with_clarabel(&self, tolerance: f64) -> Result<Answer, NotSolved> {
         let (p, a) = (self.quadratic(), self.constraints());
         let plain = self.ends.len();
         let mut cones = vec![SupportedConeT::NonnegativeConeT(plain)];
@@ -311,6 +344,82 @@ impl Program {
                 Ok(Answer { x: solution.x, gains, iterations })
             }
             status => Err(not_solved(status, iterations)),
+        }
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::expect_used, clippy::indexing_slicing, reason = "tests")]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const ORIGIN: Origin =
+        Origin { cell: 0, constraint: Constraint::ToolAcceleration, upper: true, share: 1.0 };
+
+    /// A program of some variables with rows that 1 keeps by the last number, up to 0.
+    fn program(
+        costs: &[(f64, f64, f64)],
+        rows: &[(prop::sample::Index, [f64; 3], f64)],
+    ) -> Program {
+        let mut program = Program::default();
+        let count = costs.len();
+        program.reset(count);
+        for (index, (own, beside, linear)) in costs.iter().enumerate() {
+            // ½·(own·xᵢ + beside·xᵢ₊₁)².
+            program.add_cost(index, own * own, *linear);
+            if index + 1 < count {
+                program.add_cost(index + 1, beside * beside, 0.0);
+                program.add_coupling(index, own * beside);
+            }
+        }
+        for (index, factors, slack) in rows {
+            let first = index.index(count);
+            let entries: Vec<_> =
+                (first..count).zip(*factors).filter(|(_, factor)| *factor != 0.0).collect();
+            let sum: f64 = entries.iter().map(|(_, factor)| factor).sum();
+            program.add_row(&entries, sum + slack, ORIGIN);
+        }
+        // As c is bounded on both sides.
+        for index in 0..count {
+            program.add_row(&[(index, 1.0)], 1.5, ORIGIN);
+            program.add_row(&[(index, -1.0)], 0.5, ORIGIN);
+        }
+        program
+    }
+
+    fn cost(program: &Program, x: &[f64]) -> f64 {
+        let own = program.diagonal.iter().zip(&program.linear).zip(x);
+        let beside = program.beside.iter().zip(x.windows(2));
+        own.map(|((p, q), x)| (0.5 * p * x + q) * x).sum::<f64>()
+            + beside.map(|(p, pair)| p * pair[0] * pair[1]).sum::<f64>()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+        /// Bands and Clarabel come to the same cost within the same rows, with multipliers that explain it.
+        #[test]
+        fn bands_come_to_what_clarabel_does(
+            costs in prop::collection::vec((0.2..2.0_f64, -1.0..1.0_f64, -3.0..3.0_f64), 1..40),
+            rows in prop::collection::vec(
+                (any::<prop::sample::Index>(), [-2.0..2.0_f64, -2.0..2.0_f64, -2.0..2.0_f64], 0.0..0.5_f64), 0..80,
+            ),
+        ) {
+            let program = program(&costs, &rows);
+            let banded = program.solve_banded(1e-9).expect("there is an answer");
+            let clarabel = program.solve_with_clarabel(1e-9).expect("there is an answer");
+            let [one, other] = [&banded, &clarabel].map(|answer| cost(&program, &answer.x));
+            prop_assert!((one - other).abs() <= 1e-7 * (1.0 + other.abs()), "{one} {other}");
+            let gains = |answer: &Answer| answer.gains.iter().map(|(_, gain)| gain).sum::<f64>();
+            let [first, second] = [&banded, &clarabel].map(gains);
+            prop_assert!((first - second).abs() <= 1e-4 * (1.0 + second.abs()), "{first} {second}");
+            let mut from = 0;
+            for (end, right) in program.ends.iter().zip(&program.right) {
+                let entries = &program.entries[from..*end];
+                from = *end;
+                let value: f64 = entries.iter().map(|(index, factor)| factor * banded.x[*index]).sum();
+                prop_assert!(value <= right + 1e-8, "{value} {right}");
+            }
         }
     }
 }

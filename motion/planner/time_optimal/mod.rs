@@ -11,6 +11,7 @@
 mod adjoint;
 mod asked;
 mod axis_path;
+mod banded;
 mod bound;
 mod cell;
 mod convex;
