@@ -42,6 +42,8 @@ const STEADY: f64 = 0.3;
 const SLACK: f64 = 0.5;
 /// A u̇² is the largest if it is less by no more than this part of it.
 const AT_CAP: f64 = 1e-4;
+/// On both sides of a place where the acceleration changes there are cells that take so long, s.
+const BESIDE: f64 = 2e-4;
 /// Places nearer to the end of a cell than this part of its length are at its end.
 const ROUNDING: f64 = 1e-9;
 /// A first profile may be faster by this part, in u̇², than what keeps the jerk limits at constant velocity: not much more can be won
@@ -449,12 +451,21 @@ fn even_cuts(pair: &[f64], grid: &Grid, cell: usize) -> Vec<f64> {
     let most = grid.cell_caps(cell).iter().fold(f64::INFINITY, |most, cap| most.min(cap.v2));
     let (first, last) = (0.5 * (most - from) / up, length - 0.5 * (most - to) / down);
     let at = if first < last {
-        vec![first, last]
+        vec![(first, most), (last, most)]
     } else {
-        vec![(0.5 * (to - from) + down * length) / (up + down)]
+        let at = (0.5 * (to - from) + down * length) / (up + down);
+        vec![(at, from + 2.0 * up * at)]
     };
-    let parts = at.into_iter().map(|at| at / length);
-    parts.filter(|part| *part > ROUNDING && *part < 1.0 - ROUNDING).collect()
+    // There several limits hold, and only one is told what it costs: that is to be little.
+    let within = |at: f64| at > ROUNDING * length && at < (1.0 - ROUNDING) * length;
+    let inner = at.into_iter().filter(|(at, _)| within(*at));
+    let mut parts: Vec<f64> = inner
+        .flat_map(|(at, b)| [-1.0, 0.0, 1.0].map(|side| at + side * BESIDE * b.max(0.0).sqrt()))
+        .filter(|at| within(*at))
+        .map(|at| at / length)
+        .collect();
+    parts.sort_unstable_by(f64::total_cmp);
+    parts
 }
 
 /// The step so long, s, after the path rested, or before it will.

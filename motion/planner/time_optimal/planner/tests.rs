@@ -189,12 +189,12 @@ fn axes_that_turn_round_keep_both_limits() {
     }
 }
 
-/// The fallback scales a profile until it keeps both limits. A line alone has a closed form.
+/// The fallback scales a profile until it keeps both limits. A straight line has a closed form.
 #[test]
 fn without_clarabel_both_limits_are_kept() {
     for [acceleration, deceleration] in [[3.0, 1.0], [1.0, 3.0]] {
         let limits = AxisLimits { velocity: 0.4, acceleration, deceleration, jerk: Some(60.0) };
-        let halves = [line([0.0; 2], [0.15, 0.05]), line([0.15, 0.05], [0.3, 0.1])];
+        let halves = [line([0.0; 2], [0.15, 0.05]), line([0.15, 0.05], [0.3, 0.11])];
         let (legs, failed, _) = Case::fast(halves.to_vec(), limits).plan(false);
         assert!(failed > 0);
         let [speeds, slows] = largest(&legs, limits);
