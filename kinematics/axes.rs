@@ -16,11 +16,13 @@ pub struct AxisVector {
 
 impl AxisVector {
     /// `len` zeros; more than [`MAX_AXES`] are cut to that number.
+    #[inline]
     pub const fn zeros(len: usize) -> Self {
         Self { values: [0.0; MAX_AXES], len: if len < MAX_AXES { len } else { MAX_AXES } }
     }
 
     /// The values of an iterator; what exceeds [`MAX_AXES`] is left out.
+    #[inline]
     pub fn from_values(values: impl IntoIterator<Item = f64>) -> Self {
         let mut result = Self::zeros(0);
         for (slot, value) in result.values.iter_mut().zip(values) {
@@ -39,12 +41,14 @@ impl AxisVector {
 impl Deref for AxisVector {
     type Target = [f64];
 
+    #[inline]
     fn deref(&self) -> &[f64] {
-        &self.values[..self.len]
+        self.values.get(..self.len).unwrap_or_default()
     }
 }
 
 impl DerefMut for AxisVector {
+    #[inline]
     fn deref_mut(&mut self) -> &mut [f64] {
         self.values.get_mut(..self.len).unwrap_or_default()
     }

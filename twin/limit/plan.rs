@@ -22,7 +22,8 @@ use twin_planner::blended_path::{BlendOptions, BlendedElement, Order};
 use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
 use twin_planner::planned_motion::PlannedPiece;
 use twin_planner::time_optimal::{
-    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, Planner, Rates, Shown,
+    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, Planner, Rates,
+    Shown,
 };
 
 /// Limits that count in a plan.
@@ -64,7 +65,10 @@ pub enum LimitFailure {
     Machine(#[from] MachinePathError),
 }
 
-/// Plans `path` on `machine` with the override `factor`.
+/// Steps of the grid that a part of a plan takes at most that no override changes.
+const LONGEST: f64 = 32.0;
+
+/// Plans `path` on `machine` with the override `factor`; `changes`: it may change on the way.
 ///
 /// # Errors
 /// If the machine is of a kind that cannot be planned for.
@@ -72,7 +76,7 @@ pub(crate) fn planner<I, E>(
     path: I,
     machine: &Machine,
     rules: LimitRules,
-    factor: f64,
+    (factor, changes): (f64, bool),
 ) -> Result<Planner<I, E, MachinePath<'_>>, MachinePathError>
 where
     I: Iterator<Item = Result<CheckedElement, E>>,
@@ -88,12 +92,14 @@ where
         (true, false) | (false, true) => Order::Acceleration,
         (true, true) => Order::Jerk,
     };
+    let usual = LimitOptions::new(blending);
     let options = LimitOptions {
+        longest: if changes { usual.longest } else { LONGEST },
         feed: rules.feed,
         path_acceleration: rules.path_acceleration,
         tool_acceleration: limits.tool_acceleration.filter(|_| rules.tool_acceleration),
         centripetal: rules.centripetal(machine),
-        ..LimitOptions::new(blending)
+        ..usual
     };
     let mut planner = Planner::new(path, axes, options);
     planner.set_override(factor);
@@ -154,7 +160,7 @@ impl<'m> Profile<'m> {
         let axes = MachinePath::new(machine, rules.axes)?;
         let near = axes.home();
         let factor = program.settings().inputs.override_factor.factor();
-        let planner = planner(path, machine, rules, factor)?;
+        let planner = planner(path, machine, rules, (factor, false))?;
         let cycle = u32::try_from(machine.cycle_ns).ok().and_then(NonZeroU32::new);
         let follower = Follower::new(planner, cycle.unwrap_or(DEFAULT_CYCLE_NS));
         Ok(Self {

@@ -92,12 +92,14 @@ impl PathDynamics {
         let Equation::Tree(tree) = &self.equation else { return vec![false; self.loads.len()] };
         let Some((inertia, weight)) = tree.uniform() else { return vec![false; self.loads.len()] };
         let enough = |(axis, load): (usize, &AxisLoad)| {
-            let moves = limits.iter().enumerate().map(|(other, [_, most])| match inertia[(axis, other)] {
-                0.0 => 0.0,
-                inertia => inertia.abs() * most,
-            });
+            let moves =
+                limits.iter().enumerate().map(|(other, [_, most])| match inertia[(axis, other)] {
+                    0.0 => 0.0,
+                    inertia => inertia.abs() * most,
+                });
             let velocity = limits.get(axis).map_or(f64::INFINITY, |[velocity, _]| *velocity);
-            let drag = if load.viscous_friction > 0.0 { load.viscous_friction * velocity } else { 0.0 };
+            let drag =
+                if load.viscous_friction > 0.0 { load.viscous_friction * velocity } else { 0.0 };
             let left = 1.0 - load.headroom;
             let spare = load.effort_limit - weight[axis].abs() - load.coulomb_friction;
             moves.sum::<f64>() + left * drag <= left * left * spare

@@ -36,7 +36,7 @@ impl<'m> Maker<'m> {
         let (path, found) = program.path_for_limits(&machine.conditions)?;
         let share: Share = |next| next.map_err(Arc::new);
         let factor = program.settings().inputs.override_factor.factor();
-        let planner = planner(path.map(share), machine, LimitRules::default(), factor)?;
+        let planner = planner(path.map(share), machine, LimitRules::default(), (factor, true))?;
         Ok(Self { pieces: Pieces::new(planner), found })
     }
 

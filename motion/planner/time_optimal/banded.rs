@@ -10,7 +10,7 @@
 const STEP: f64 = 0.995;
 /// Distance from its bound that a row has at the beginning, at least, and what distance times multiplier is.
 const FIRST_DISTANCE: f64 = 0.05;
-const FIRST_PRODUCT: f64 = 0.05;
+const FIRST_PRODUCT: f64 = 2e-3;
 
 /// A row: the first of its three neighbours, their coefficients, and its right side.
 #[derive(Clone, Copy, Debug, Default)]
@@ -70,7 +70,8 @@ impl RowState {
 
     /// The largest part of the changes that keeps both positive.
     fn room(&self) -> f64 {
-        let until = |value: f64, change: f64| if change < 0.0 { -value / change } else { f64::INFINITY };
+        let until =
+            |value: f64, change: f64| if change < 0.0 { -value / change } else { f64::INFINITY };
         until(self.s, self.ds).min(until(self.z, self.dz))
     }
 }
@@ -109,7 +110,10 @@ impl BandProgram<'_> {
             if !(product + wrong + steep).is_finite() {
                 return None;
             }
-            if wrong <= tolerance && steep <= tolerance * size && product <= tolerance * self.cost(&x).abs().max(size) {
+            if wrong <= tolerance
+                && steep <= tolerance * size
+                && product <= tolerance * self.cost(&x).abs().max(size)
+            {
                 x.truncate(count);
                 let duals = states.iter().map(|state| state.z).collect();
                 return Some(BandAnswer { x, duals, iterations });
@@ -121,7 +125,8 @@ impl BandProgram<'_> {
             // As if the bounds were reached at once, and then with what that leaves.
             self.step(&band, &gradient, &mut states, &mut change, |state| state.s * state.z);
             let room = states.iter().fold(1.0, |least: f64, state| least.min(state.room()));
-            let after = |state: &RowState| (state.s + room * state.ds) * (state.z + room * state.dz);
+            let after =
+                |state: &RowState| (state.s + room * state.ds) * (state.z + room * state.dz);
             let left = states.iter().map(after).sum::<f64>() / product;
             let aim = left.powi(3) * product / number;
             self.step(&band, &gradient, &mut states, &mut change, |state| {
@@ -225,7 +230,7 @@ impl Band {
         for index in 0..self.own.len() {
             let pivot = self.own[index];
             if pivot <= 0.0 || !pivot.is_finite() {
-                    return false;
+                return false;
             }
             let (next, second) = (self.next[index], self.second[index]);
             let (l1, l2) = (next / pivot, second / pivot);

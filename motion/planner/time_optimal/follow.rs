@@ -109,9 +109,18 @@ pub enum Shown {
 #[derive(Debug)]
 enum Current {
     /// `shown`: it has had a set-point.
-    Along { leg: Leg, start: Instant, end: Instant, shown: bool },
-    Still { until_ns: i64 },
-    Held { until_ns: i64 },
+    Along {
+        leg: Leg,
+        start: Instant,
+        end: Instant,
+        shown: bool,
+    },
+    Still {
+        until_ns: i64,
+    },
+    Held {
+        until_ns: i64,
+    },
 }
 
 impl<P, E> Follower<P>

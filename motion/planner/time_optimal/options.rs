@@ -18,6 +18,8 @@ pub struct LimitOptions {
     pub centripetal: CircularLimits,
     /// Time between nodes of the grid, s.
     pub step: f64,
+    /// Steps of the grid that a part of the plan takes at most where nothing changes: at its end an override may be followed.
+    pub longest: f64,
     /// Time that is planned at once, s, where the path does not stop before.
     pub horizon: f64,
 }
@@ -32,6 +34,7 @@ impl LimitOptions {
             tool_acceleration: None,
             centripetal: CircularLimits::default(),
             step: 1.25e-3,
+            longest: 2.0,
             horizon: 1.5,
         }
     }

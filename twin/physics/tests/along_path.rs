@@ -80,6 +80,28 @@ fn a_lift_and_its_rotor() {
     assert!(torque.rows().any(|row| row.limit < 0.0));
 }
 
+/// 3 kg and a rotor of 2 kg at 4 m/s² up to 0.5 m/s take 20 N, 15 N of drag, 4 N of dry friction and the weight: of which the
+/// headroom leaves 0.8² of what is spare to the mass, and 0.8 to the drag.
+#[test]
+fn motors_with_enough_for_every_motion_are_known() {
+    let most = [[0.5, 4.0]];
+    for (headroom, spare) in [(0.0, 35.0), (0.2, (20.0 + 0.8 * 15.0) / 0.64)] {
+        for (more, enough) in [(1e-9, true), (-1e-9, false)] {
+            let effort_limit = 3.0 * G + 4.0 + spare + more;
+            let load = AxisLoad { armature: 2.0, viscous_friction: 30.0, headroom, ..FREE };
+            let load = AxisLoad { coulomb_friction: 4.0, effort_limit, ..load };
+            let dynamics = PathDynamics::new(&lift(3.0), &[load], down()).unwrap();
+            assert_eq!(dynamics.always_enough(&most), [enough], "{headroom} {more}");
+        }
+    }
+    // Without limits of the axis nothing is enough, and where something turns nothing is known.
+    let load = AxisLoad { effort_limit: 1e9, ..FREE };
+    let dynamics = PathDynamics::new(&lift(3.0), &[load], down()).unwrap();
+    assert_eq!(dynamics.always_enough(&[[0.5, f64::INFINITY]]), [false]);
+    let dynamics = PathDynamics::new(&crooked(), &[load; 3], down()).unwrap();
+    assert_eq!(dynamics.always_enough(&[[0.5, 4.0]; 3]), [false; 3]);
+}
+
 #[test]
 fn only_motors_with_limits_have_rows() {
     let limited = AxisLoad { effort_limit: 10.0, ..FREE };

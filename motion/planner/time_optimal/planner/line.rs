@@ -2,7 +2,6 @@
 //! moves as evenly as the path.
 
 use super::backlog::parts;
-use super::refine::EVEN_STEP;
 use super::{Leg, Planned, Planner};
 use crate::planned_motion::{ProfileSegment, Progress};
 use crate::time_optimal::axis_path::AxisPath;
@@ -99,8 +98,8 @@ where
     /// Hands out what comes next of the plan so far along a line on which the axes have these `rates`.
     pub(super) fn go_along_line(&mut self, rates: &AxisVector) {
         let mut tail = VecDeque::from(std::mem::take(&mut self.tail));
-        let step = STEPS * self.options.step;
-        let legs = pop(&mut tail, rates, [self.options.horizon, step]);
+        let (step, longest) = (STEPS * self.options.step, self.longest());
+        let legs = pop(&mut tail, rates, [self.options.horizon, step, longest]);
         self.effort.cells += legs.len() as u64;
         self.effort.committed += legs.len() as u64;
         self.ready.extend(legs.into_iter().map(|leg| Ok(Planned::Leg(leg))));
@@ -115,7 +114,7 @@ where
         self.kept.push(b);
         let (element, from) = (Arc::clone(&next.element), next.from);
         // What may be planned anew is as fine as elsewhere.
-        let mut legs = pop(&mut tail, rates, [LOOK, step]);
+        let mut legs = pop(&mut tail, rates, [LOOK, step, longest]);
         legs.extend(tail);
         self.tail = legs;
         let reached = |cell: &Cell| Arc::ptr_eq(&cell.element, &element) && cell.to > from;
@@ -199,7 +198,8 @@ fn spread(mut spans: VecDeque<Leg>, cells: &[Cell], rates: &AxisVector) -> Vec<L
         while let Some(span) = spans.pop_front() {
             let (way, takes) = (end - span.from, span.stretch.duration());
             let ends = left > 0 && way <= span.stretch.length();
-            let until = if ends { ProfileSegment::new(way, span.stretch.law()).duration() } else { takes };
+            let until =
+                if ends { ProfileSegment::new(way, span.stretch.law()).duration() } else { takes };
             if until < takes - ROUNDING {
                 spans.push_front(Leg { from: end, ..part(&span, rates, [until, takes]) });
             }
@@ -217,8 +217,8 @@ fn spread(mut spans: VecDeque<Leg>, cells: &[Cell], rates: &AxisVector) -> Vec<L
     legs
 }
 
-/// Takes legs of so long a time from the front of others, in parts of a step, both s.
-fn pop(legs: &mut VecDeque<Leg>, rates: &AxisVector, [time, step]: [f64; 2]) -> Vec<Leg> {
+/// Takes legs of so long a time from the front of others, in parts of a step, or of the longest time where nothing changes, all s.
+fn pop(legs: &mut VecDeque<Leg>, rates: &AxisVector, [time, step, longest]: [f64; 3]) -> Vec<Leg> {
     let mut parts = Vec::new();
     let mut left = time;
     while left > ROUNDING
@@ -228,7 +228,7 @@ fn pop(legs: &mut VecDeque<Leg>, rates: &AxisVector, [time, step]: [f64; 2]) -> 
         let until = if takes > left + ROUNDING { left } else { takes };
         let mut index = 0.0;
         let Progress { acceleration, jerk, .. } = leg.stretch.at(0.0);
-        let step = if acceleration == 0.0 && jerk == 0.0 { EVEN_STEP } else { step };
+        let step = if acceleration == 0.0 && jerk == 0.0 { longest } else { step };
         let count = (until / step - ROUNDING).ceil().max(1.0);
         while index < count {
             let begin = until * index / count;

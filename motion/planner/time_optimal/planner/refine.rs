@@ -31,10 +31,8 @@ const FEWEST_STEPS: f64 = 12.0;
 const TOO_LONG: f64 = 1.6;
 /// A path that takes less than this number of horizons is planned in one window.
 const BEYOND: f64 = 1.5;
-/// Where nothing but the largest velocity counts a window may go on for so many times its horizon: in parts of it.
-const CRUISE: f64 = 0.1;
-/// Cells in which the axes move evenly take no longer than this, s: what follows a window may ask for braking in them.
-pub(super) const EVEN_STEP: f64 = 0.04;
+/// Where nothing but the largest velocity counts a cell takes up as much of a window's horizon as so many steps.
+const CRUISE: f64 = 4.0;
 /// Where they move evenly at the largest velocity, cells may take this part of the time to the nearest change.
 const STEADY: f64 = 0.3;
 /// An acceleration or a jerk that is less than this part of its limit at the largest velocity, without ü, leaves room for more:
@@ -96,7 +94,8 @@ where
         let times: Vec<f64> = times.collect();
         let cruises = self.cruises(&grid, &b);
         let parts = times.iter().zip(cruises);
-        parts.map(|(takes, cruises)| if cruises { CRUISE * takes } else { *takes }).collect()
+        let part = (CRUISE / self.options.longest).min(1.0);
+        parts.map(|(takes, cruises)| if cruises { part * takes } else { *takes }).collect()
     }
 
     /// Leaves what is more than `horizon` s ahead for the next window.
@@ -155,7 +154,8 @@ where
             let times = b.windows(2).zip(&self.cells);
             let times = times.map(|(pair, cell)| time(pair, cell.length(), self.jerk_limited));
             let times: Vec<f64> = times.collect();
-            let steady = self.steady(&grid, &b, &times);
+            // A jerk-limited profile changes earlier and later than the one without.
+            let steady = self.steady(&grid, &b, &times, self.build_up());
             let cells = b.windows(2).zip(&times);
             let fastest =
                 [reached(cells.clone(), 2.0 * launch), reached(cells.rev(), 2.0 * launch)];
@@ -169,7 +169,7 @@ where
                 let even = cell.is_even && !self.jerk_limited;
                 let steady = steady.get(index).copied().unwrap_or_default();
                 let fine = graded(step, since.min(left)).max(steady);
-                let fine = if even { EVEN_STEP } else { fine };
+                let fine = if even { self.longest() } else { fine };
                 since += takes;
                 left -= takes;
                 let switches = if even { even_cuts(pair, &grid, index) } else { Vec::new() };
@@ -217,9 +217,14 @@ where
         Ok(())
     }
 
-    /// How long cells may take because nothing changes in them or near them, s: the axes move evenly, and `b` is as large as it may
-    /// be. 0 for all others.
-    fn steady(&self, grid: &Grid, b: &[f64], times: &[f64]) -> Vec<f64> {
+    /// The longest time that a part of the plan takes, s.
+    pub(super) fn longest(&self) -> f64 {
+        self.options.longest * self.options.step
+    }
+
+    /// How long cells may take because nothing changes in them or within `margin` s of them, s: nothing but the largest velocity
+    /// counts. 0 for all others.
+    fn steady(&self, grid: &Grid, b: &[f64], times: &[f64], margin: f64) -> Vec<f64> {
         let cruises = self.cruises(grid, b);
         // Time since the last change, and until the next one.
         let since = |cells: &mut dyn Iterator<Item = (&bool, &f64)>| -> Vec<f64> {
@@ -236,7 +241,8 @@ where
         before.reverse();
         let distances = after.iter().zip(&before).zip(&cruises);
         let longest = |((after, before), cruises): ((&f64, &f64), &bool)| {
-            if *cruises { (STEADY * after.min(*before)).min(EVEN_STEP) } else { 0.0 }
+            let apart = (after.min(*before) - margin).max(0.0);
+            if *cruises { (STEADY * apart).min(self.longest()) } else { 0.0 }
         };
         distances.map(longest).collect()
     }
@@ -277,7 +283,7 @@ where
         let step = self.options.step.min(duration / FEWEST_STEPS);
         let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
         let mut left = if self.stops() { duration } else { f64::INFINITY };
-        let steady = self.steady(&grid(&self.sampler, &self.cells), &guess.b, &times);
+        let steady = self.steady(&grid(&self.sampler, &self.cells), &guess.b, &times, 0.0);
         let inner = self.kept.len().max(2) - 1..self.cells.len().saturating_sub(1);
         let mut cells = Vec::with_capacity(self.cells.len());
         for ((index, cell), takes) in

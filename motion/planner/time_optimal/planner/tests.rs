@@ -139,6 +139,44 @@ fn one_axis_takes_the_time_of_its_trapezoid() {
     }
 }
 
+/// Lines that go on in the same direction take the time of one, wherever they meet, and their legs are on their own elements.
+#[test]
+fn lines_in_a_row_are_one_line() {
+    for jerk in [None, Some(60.0)] {
+        for feed in [0.3, 10.0] {
+            let limits = AxisLimits { velocity: 0.4, acceleration: 3.0, deceleration: 1.5, jerk };
+            let at = |way: f64| [0.8 * way, -0.6 * way];
+            let case = |ways: &[f64]| {
+                let shapes = ways.windows(2).map(|pair| line(at(pair[0]), at(pair[1]))).collect();
+                Case { feed, ..Case::fast(shapes, limits) }.plan(true)
+            };
+            let (whole, _, _) = case(&[0.0, 0.5]);
+            let ways = [0.0, 0.001, 0.02, 0.25, 0.3, 0.499, 0.5];
+            let (legs, failed, windows) = case(&ways);
+            assert_eq!((failed, windows), (0, 1), "in closed form");
+            let longer = duration(&legs) / duration(&whole) - 1.0;
+            assert!(longer.abs() < 1e-9, "{longer:e}");
+            let mut last = (0.0, 0.0);
+            for (index, pair) in ways.windows(2).enumerate() {
+                let own =
+                    |leg: &&Leg| leg.element.place().line == u32::try_from(index).unwrap() + 1;
+                let legs: Vec<_> = legs.iter().filter(own).collect();
+                let mut gone = 0.0;
+                for leg in &legs {
+                    assert!((leg.from - gone).abs() < 1e-9, "{} and not {gone}", leg.from);
+                    let (b, a) = leg.stretch.at_position(0.0);
+                    assert!((b.sqrt() - last.0).abs() < 1e-6, "{b} after {last:?}");
+                    assert!(jerk.is_none() || (a - last.1).abs() < 1e-6, "{a} after {last:?}");
+                    gone += leg.stretch.length();
+                    let (b, a) = leg.stretch.at_position(leg.stretch.length());
+                    last = (b.sqrt(), a);
+                }
+                assert!((gone - (pair[1] - pair[0])).abs() < 1e-9, "{gone} of {pair:?}");
+            }
+        }
+    }
+}
+
 /// With limited jerk J the ramps to v take v/a + a/J and v/d + d/J.
 #[test]
 fn one_axis_with_limited_jerk_takes_the_time_of_its_two_ramps() {
