@@ -1,8 +1,8 @@
 //! Path elements to planned motion.
 //!
 //! [`controller`] is the controller's own plan from the programmed F and E (`SMC_Interpolator`). [`time_optimal`] keeps the
-//! limits of every axis and uses them: in two passes within velocities and accelerations, with Clarabel where jerk is
-//! limited. Both are iterators over the elements before them, so that memory is bounded by the look-ahead window.
+//! limits of every axis and uses them: in two passes within velocities and accelerations, with convex programs where
+//! jerk is limited. Both are iterators over the elements before them, so that memory is bounded by the look-ahead window.
 //!
 //! Lengths are metres, times seconds.
 //!

@@ -1,4 +1,4 @@
-//! Convex programs for Clarabel: min ½·xᵀ·P·x + qᵀ·x with A·x ≤ 1, P tridiagonal, rows of a few neighbours, cones.
+//! Convex programs, solved by bands ([`super::banded`]) or by Clarabel: min ½·xᵀ·P·x + qᵀ·x with A·x ≤ 1, P tridiagonal, rows of a few neighbours, cones.
 
 use super::banded::{BandAnswer, BandProgram, BandRow};
 use super::bound::Constraint;
@@ -74,8 +74,9 @@ const KEPT_JERK: f64 = 2e-3;
 
 /// Where there is an answer it takes less than a third of these iterations.
 const MOST_ITERATIONS: u32 = 100;
-/// By bands.
+/// By bands; so many of these steps take the time of an iteration of Clarabel.
 const MOST_STEPS: u32 = 60;
+const CHEAPER: u32 = 4;
 
 /// Less is rounding of the solver.
 const NO_GAIN: f64 = 1e-9;
@@ -86,6 +87,7 @@ pub(super) struct Answer {
     pub(super) x: Vec<f64>,
     /// Sensitivities: the gain in cost if a limit were larger, per part of the limit, for every row that counts.
     pub(super) gains: Vec<(Origin, f64)>,
+    /// Of Clarabel, or of what takes as long.
     pub(super) iterations: u32,
 }
 
@@ -292,10 +294,11 @@ impl Program {
         });
         let rows: Vec<BandRow> = rows.collect::<Option<_>>()?;
         let (diagonal, beside, linear) = (&self.diagonal, &self.beside, &self.linear);
-        let most = self.most_iterations.unwrap_or(MOST_STEPS).min(MOST_STEPS);
+        let most = self.most_iterations.map_or(MOST_STEPS, |most| most.saturating_mul(CHEAPER));
         let BandAnswer { x, duals, iterations } =
-            BandProgram { diagonal, beside, linear, rows: &rows }.solve(tolerance, most)?;
-        Some(Answer { x, gains: self.gains(&duals), iterations })
+            BandProgram { diagonal, beside, linear, rows: &rows }
+                .solve(tolerance, most.min(MOST_STEPS))?;
+        Some(Answer { x, gains: self.gains(&duals), iterations: iterations.div_ceil(CHEAPER) })
     }
 
     /// By Clarabel.

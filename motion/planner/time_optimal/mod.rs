@@ -6,7 +6,7 @@
 //!
 //! [`crate::blended_path`] blends the joints of the path within a tolerance. [`Grid`] holds the limits along it. [`reachable`]
 //! computes the fastest profile within velocities and accelerations in two passes (reachability analysis). Where jerk is
-//! limited as well, [`SmoothSolver`] computes it with Clarabel.
+//! limited as well, [`SmoothSolver`] solves convex programs: by bands, or with Clarabel.
 
 mod adjoint;
 mod asked;

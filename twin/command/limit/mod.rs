@@ -32,7 +32,7 @@ use twin_planner::time_optimal::Shown;
 /// The path is followed with the largest velocity at which no axis exceeds its velocity, acceleration and jerk, and no
 /// programmed feed (F) or acceleration (E) is exceeded. Joints that are passed without a stop are rounded within
 /// `blend_tolerance_mm` of the machine file. Within velocities and accelerations two passes give the fastest profile;
-/// where jerk is limited, Clarabel solves convex programs. Between the places where limits are asked for an acceleration
+/// where jerk is limited, convex programs do, with Clarabel behind a faster solver. Between the places where limits are asked for an acceleration
 /// may be a thousandth above its limit, a jerk a twentieth.
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]

@@ -31,6 +31,8 @@ const FEWEST_STEPS: f64 = 12.0;
 const TOO_LONG: f64 = 1.6;
 /// A path that takes less than this number of horizons is planned in one window.
 const BEYOND: f64 = 1.5;
+/// Parts of a plan of no more than so many steps are short everywhere: from any of them it may have to brake.
+const SHORT: f64 = 2.0;
 /// Where nothing but the largest velocity counts a cell takes up as much of a window's horizon as so many steps.
 const CRUISE: f64 = 4.0;
 /// Where they move evenly at the largest velocity, cells may take this part of the time to the nearest change.
@@ -225,6 +227,9 @@ where
     /// How long cells may take because nothing changes in them or within `margin` s of them, s: nothing but the largest velocity
     /// counts. 0 for all others.
     fn steady(&self, grid: &Grid, b: &[f64], times: &[f64], margin: f64) -> Vec<f64> {
+        if self.options.longest <= SHORT {
+            return vec![0.0; times.len()];
+        }
         let cruises = self.cruises(grid, b);
         // Time since the last change, and until the next one.
         let since = |cells: &mut dyn Iterator<Item = (&bool, &f64)>| -> Vec<f64> {
