@@ -42,7 +42,7 @@ impl<'m> PlanCheck<'m> {
         self.pieces.take(piece, peaks, &mut self.findings, self.rapids);
     }
 
-    /// Nothing follows: adds what was found to `findings`, in the place of what set-points have shown of the same.
+    /// Ends the check: adds its findings to `findings`, in place of those from set-points for the same line, rule and axis.
     pub(crate) fn finish(&mut self, peaks: &mut [AxisPeak], findings: &mut Vec<Finding>) {
         self.pieces.finish(peaks, &mut self.findings, self.rapids);
         let (found, _) = std::mem::take(&mut self.findings).into_list();

@@ -65,7 +65,7 @@ pub enum LimitFailure {
     Machine(#[from] MachinePathError),
 }
 
-/// Steps of the grid that a part of a plan takes at most that no override changes.
+/// Largest number of grid steps in a part of a plan that no override changes.
 const LONGEST: f64 = 32.0;
 
 /// Plans `path` on `machine` with the override `factor`; `changes`: it may change on the way.
@@ -193,7 +193,7 @@ impl<'m> Profile<'m> {
         self.follower.record();
     }
 
-    /// Makes no more set-points than those, because the pieces say the rest.
+    /// Sets the density of the samples from now on.
     pub(crate) fn show(&mut self, shown: Shown) {
         self.follower.show(shown);
     }

@@ -86,8 +86,8 @@ impl PathDynamics {
         Ok(Self { equation, weightless, loads: loads.to_vec() })
     }
 
-    /// True for each axis whose motor has enough at every place and in every motion, as long as no axis exceeds its limits of
-    /// velocity and acceleration, `limits`, SI. Not known, and false, where something turns.
+    /// True for each axis whose motor has enough effort at every place for every motion within `limits`: velocity and acceleration
+    /// of every axis, SI. False for machines with rotary joints, where it is not known.
     pub fn always_enough(&self, limits: &[[f64; 2]]) -> Vec<bool> {
         let Equation::Tree(tree) = &self.equation else { return vec![false; self.loads.len()] };
         let Some((inertia, weight)) = tree.uniform() else { return vec![false; self.loads.len()] };

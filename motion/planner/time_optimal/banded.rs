@@ -1,14 +1,14 @@
-//! Interior point method for quadratic programs whose rows have three neighbours: every step solves a band of five diagonals.
+//! Banded interior-point method for quadratic programs whose rows have three neighbouring variables.
 //!
-//! Mehrotra's predictor and corrector for min ½·xᵀ·P·x + qᵀ·x with A·x + s = r and s ≥ 0: with multipliers z of the rows a step
-//! follows from (P + Aᵀ·(z/s)·A)·Δx = right side. The cost grows with the rows, not with their number squared, and nothing is
-//! ordered or allocated on the way. Where it comes to no answer Clarabel does ([`super::convex::Program::solve`]).
+//! Mehrotra's predictor and corrector for min ½·xᵀ·P·x + qᵀ·x with A·x + s = r and s ≥ 0. With the multipliers z of the rows,
+//! a step solves (P + Aᵀ·(z/s)·A)·Δx = right side, a matrix of five diagonals. Its cost grows linearly with the number of rows.
+//! If it fails, Clarabel solves the program ([`super::convex::Program::solve`]).
 
 #![expect(clippy::indexing_slicing, reason = "bands and rows are as long as they are made")]
 
-/// Part of the way to the nearest bound that a step goes.
+/// Length of a step, as a part of the way to the nearest bound.
 const STEP: f64 = 0.995;
-/// Distance from its bound that a row has at the beginning, at least, and what distance times multiplier is.
+/// Least distance of a row from its bound at the start, and the product of distance and multiplier.
 const FIRST_DISTANCE: f64 = 0.05;
 const FIRST_PRODUCT: f64 = 2e-3;
 
@@ -51,7 +51,7 @@ pub(super) struct BandAnswer {
     pub(super) iterations: u32,
 }
 
-/// The state of a row: distance from its bound and multiplier, what is wrong with the distance, and their changes.
+/// State of a row: distance from its bound, multiplier, residual, and the changes of the first two.
 #[derive(Clone, Copy, Debug, Default)]
 struct RowState {
     s: f64,
@@ -122,7 +122,7 @@ impl BandProgram<'_> {
             if !band.factor() {
                 return None;
             }
-            // As if the bounds were reached at once, and then with what that leaves.
+            // Predictor, then corrector.
             self.step(&band, &gradient, &mut states, &mut change, |state| state.s * state.z);
             let room = states.iter().fold(1.0, |least: f64, state| least.min(state.room()));
             let after =
@@ -219,7 +219,7 @@ impl Band {
             self.next[first + 1] += weight * b * c;
             self.second[first] += weight * a * c;
         }
-        // Nothing asks for these, so that they stay as they are.
+        // Variables without cost and rows keep their values.
         for own in self.own.iter_mut().filter(|own| **own == 0.0) {
             *own = 1.0;
         }

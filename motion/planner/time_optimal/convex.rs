@@ -74,7 +74,7 @@ const KEPT_JERK: f64 = 2e-3;
 
 /// Where there is an answer it takes less than a third of these iterations.
 const MOST_ITERATIONS: u32 = 100;
-/// By bands; so many of these steps take the time of an iteration of Clarabel.
+/// Largest number of banded steps, and the number of them that take the time of one iteration of Clarabel.
 const MOST_STEPS: u32 = 60;
 const CHEAPER: u32 = 4;
 
@@ -87,7 +87,7 @@ pub(super) struct Answer {
     pub(super) x: Vec<f64>,
     /// Sensitivities: the gain in cost if a limit were larger, per part of the limit, for every row that counts.
     pub(super) gains: Vec<(Origin, f64)>,
-    /// Of Clarabel, or of what takes as long.
+    /// Iterations of Clarabel, or their equivalent in time.
     pub(super) iterations: u32,
 }
 
@@ -359,7 +359,7 @@ mod tests {
     const ORIGIN: Origin =
         Origin { cell: 0, constraint: Constraint::ToolAcceleration, upper: true, share: 1.0 };
 
-    /// A program of some variables with rows that 1 keeps by the last number, up to 0.
+    /// Program with rows that x = 1 satisfies with the given slack.
     fn program(
         costs: &[(f64, f64, f64)],
         rows: &[(prop::sample::Index, [f64; 3], f64)],
@@ -382,7 +382,6 @@ mod tests {
             let sum: f64 = entries.iter().map(|(_, factor)| factor).sum();
             program.add_row(&entries, sum + slack, ORIGIN);
         }
-        // As c is bounded on both sides.
         for index in 0..count {
             program.add_row(&[(index, 1.0)], 1.5, ORIGIN);
             program.add_row(&[(index, -1.0)], 0.5, ORIGIN);

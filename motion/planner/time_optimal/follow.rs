@@ -94,7 +94,7 @@ pub struct Follower<P> {
     sampled: Option<Arc<BlendedElement>>,
 }
 
-/// Set-points that are made, for those who take the recorded pieces.
+/// Density of the set-points, for readers that also take the recorded pieces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shown {
     /// One per cycle.
@@ -154,7 +154,7 @@ where
         self.record = Some(VecDeque::new());
     }
 
-    /// Makes these set-points from now on.
+    /// Sets the density of the set-points from now on.
     pub fn show(&mut self, shown: Shown) {
         self.shown = shown;
     }
@@ -235,7 +235,7 @@ where
         Ok(true)
     }
 
-    /// True if a leg needs no more set-points; `shown`: it has had one.
+    /// True if a leg needs no further set-point; `shown`: it already has one.
     fn is_left_out(&self, leg: &Leg, shown: bool) -> bool {
         let sampled = || {
             let same = |last: &Arc<BlendedElement>| Arc::ptr_eq(last, &leg.element);

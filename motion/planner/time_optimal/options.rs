@@ -18,7 +18,7 @@ pub struct LimitOptions {
     pub centripetal: CircularLimits,
     /// Time between nodes of the grid, s.
     pub step: f64,
-    /// Steps of the grid that a part of the plan takes at most where nothing changes: at its end an override may be followed.
+    /// Largest number of grid steps in a part of the plan where nothing changes; an override takes effect at the end of a part.
     pub longest: f64,
     /// Time that is planned at once, s, where the path does not stop before.
     pub horizon: f64,

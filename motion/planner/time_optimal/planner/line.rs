@@ -217,7 +217,7 @@ fn spread(mut spans: VecDeque<Leg>, cells: &[Cell], rates: &AxisVector) -> Vec<L
     legs
 }
 
-/// Takes legs of so long a time from the front of others, in parts of a step, or of the longest time where nothing changes, all s.
+/// Takes legs of a duration from the front of others, in parts of a step, or of the longest time where nothing changes, all s.
 fn pop(legs: &mut VecDeque<Leg>, rates: &AxisVector, [time, step, longest]: [f64; 3]) -> Vec<Leg> {
     let mut parts = Vec::new();
     let mut left = time;

@@ -119,7 +119,7 @@ pub struct Effort {
     /// Windows in which a limit is still exceeded somewhere between the places where it was asked for, after all that was
     /// tried.
     pub exceeded: u64,
-    /// Iterations of Clarabel, and as many as take the time of solves by bands.
+    /// Iterations of Clarabel; banded solves count by their time.
     pub iterations: u64,
     /// Cells planned, those planned again included.
     pub cells: u64,

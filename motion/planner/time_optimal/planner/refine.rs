@@ -31,19 +31,18 @@ const FEWEST_STEPS: f64 = 12.0;
 const TOO_LONG: f64 = 1.6;
 /// A path that takes less than this number of horizons is planned in one window.
 const BEYOND: f64 = 1.5;
-/// Parts of a plan of no more than so many steps are short everywhere: from any of them it may have to brake.
+/// A plan whose parts take no more than this number of steps stays fine everywhere: an override may ask for braking in any part.
 const SHORT: f64 = 2.0;
-/// Where nothing but the largest velocity counts a cell takes up as much of a window's horizon as so many steps.
+/// Share of a window's horizon that the longest cell at the largest velocity takes up, in steps.
 const CRUISE: f64 = 4.0;
 /// Where they move evenly at the largest velocity, cells may take this part of the time to the nearest change.
 const STEADY: f64 = 0.3;
-/// An acceleration or a jerk that is less than this part of its limit at the largest velocity, without ü, leaves room for more:
-/// nothing but that velocity counts.
+/// At the largest velocity, without ü, accelerations and jerks below this part of their limits do not limit the motion.
 const SLACK: f64 = 0.5;
 /// A u̇² is the largest if it is less by no more than this part of it.
 const AT_CAP: f64 = 1e-4;
-/// On both sides of a place where the acceleration changes there are cells that take so long, s.
-const BESIDE: f64 = 2e-4;
+/// Duration of the cells next to a place where the acceleration changes, s.
+const SWITCH: f64 = 2e-4;
 /// Places nearer to the end of a cell than this part of its length are at its end.
 const ROUNDING: f64 = 1e-9;
 /// A first profile may be faster by this part, in u̇², than what keeps the jerk limits at constant velocity: not much more can be won
@@ -87,7 +86,7 @@ where
         (b, duration)
     }
 
-    /// How much of the horizon each cell takes up, s: less than its time where nothing is to be chosen.
+    /// Share of the horizon of each cell, s: less than its time where only the largest velocity limits it.
     pub(super) fn horizons(&self) -> Vec<f64> {
         let grid = grid(&self.sampler, &self.cells);
         let (b, _) = self.estimate(&grid);
@@ -224,8 +223,8 @@ where
         self.options.longest * self.options.step
     }
 
-    /// How long cells may take because nothing changes in them or within `margin` s of them, s: nothing but the largest velocity
-    /// counts. 0 for all others.
+    /// Longest duration of each cell, s, where only the largest velocity limits the motion in it and within `margin` s of it; 0 for
+    /// all others.
     fn steady(&self, grid: &Grid, b: &[f64], times: &[f64], margin: f64) -> Vec<f64> {
         if self.options.longest <= SHORT {
             return vec![0.0; times.len()];
@@ -252,7 +251,7 @@ where
         distances.map(longest).collect()
     }
 
-    /// True for each cell in which nothing but the largest velocity counts, which is the same all the way, and which `b` is at.
+    /// True for each cell that `b` passes at the largest velocity, the same all the way, far from all other limits.
     fn cruises(&self, grid: &Grid, b: &[f64]) -> Vec<bool> {
         let caps = grid.caps();
         let at_cap = |node: usize| {
@@ -467,11 +466,11 @@ fn even_cuts(pair: &[f64], grid: &Grid, cell: usize) -> Vec<f64> {
         let at = (0.5 * (to - from) + down * length) / (up + down);
         vec![(at, from + 2.0 * up * at)]
     };
-    // There several limits hold, and only one is told what it costs: that is to be little.
+    // Several limits hold at such a node, and only one gets its sensitivity: short cells keep that small.
     let within = |at: f64| at > ROUNDING * length && at < (1.0 - ROUNDING) * length;
     let inner = at.into_iter().filter(|(at, _)| within(*at));
     let mut parts: Vec<f64> = inner
-        .flat_map(|(at, b)| [-1.0, 0.0, 1.0].map(|side| at + side * BESIDE * b.max(0.0).sqrt()))
+        .flat_map(|(at, b)| [-1.0, 0.0, 1.0].map(|side| at + side * SWITCH * b.max(0.0).sqrt()))
         .filter(|at| within(*at))
         .map(|at| at / length)
         .collect();
