@@ -30,6 +30,7 @@ use twin_smartdrive::{
 use crate::{
     assumed::Otherwise,
     faults::{DeviceFault, Family},
+    scenario::SENSES,
 };
 
 /// Speed of devices and plans relative to the wall clock.
@@ -112,6 +113,15 @@ pub(crate) struct AxisTruth {
 }
 
 impl Truth {
+    /// True if the first `count` axes are not past their targets, where they have targets.
+    #[expect(clippy::cast_precision_loss, reason = "small numbers")]
+    pub(crate) fn goes_ahead(&self, count: usize) -> bool {
+        SENSES.into_iter().zip(&self.axes).take(count).all(|(sense, axis)| {
+            let ahead = |target: i64| (sense * target) as f64 >= sense as f64 * axis.mechanical;
+            axis.target.is_none_or(ahead)
+        })
+    }
+
     fn of(axes: [AxisTruth; 2], moving: bool, other_moves: bool) -> Self {
         let AxisTruth { counter, mechanical, .. } = axes[0];
         Self { counter, moving, other_moves, waiting: 0, mechanical, axes }

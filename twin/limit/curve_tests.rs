@@ -33,16 +33,13 @@ fn trapezoid(length: f64, from_v2: f64, top_v2: f64, to_v2: f64) -> f64 {
     time(from_v2) + time(to_v2) + rest / top_v2.sqrt()
 }
 
-/// Accelerations may exceed their limits by this part (`twin limit --help`: at most a thousandth).
-const TOLERANCE: f64 = 5e-4;
-
 /// The squared velocities near `way` are within those that lead to `v2` there.
 #[track_caller]
 fn passes(found: &Limited, way: f64, v2: f64) {
     let mut closest = f64::INFINITY;
     for sample in &found.samples {
         let distance = (sample.way - way).abs();
-        let most = v2 + 2.0 * (1.0 + TOLERANCE) * ACCELERATION * distance;
+        let most = v2 + 2.0 * ACCELERATION * distance;
         let found = sample.path_velocity.powi(2);
         assert!(found <= most * (1.0 + 1e-4), "{found} and not {most} at {} m", sample.way);
         closest = closest.min(most - found);

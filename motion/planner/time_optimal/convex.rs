@@ -1,4 +1,5 @@
-//! Convex programs, solved by bands ([`super::banded`]) or by Clarabel: min ½·xᵀ·P·x + qᵀ·x with A·x ≤ 1, P tridiagonal, rows of a few neighbours, cones.
+//! Convex programs, solved by bands ([`super::banded`]) or by Clarabel: min ½·xᵀ·P·x + qᵀ·x with A·x ≤ 1, P tridiagonal, rows of
+//! a few neighbours, cones.
 
 use super::banded::{BandAnswer, BandProgram, BandRow};
 use super::bound::Constraint;

@@ -106,21 +106,12 @@ pub enum Shown {
     Elements,
 }
 
+/// Item under way; `shown`: the leg already has a set-point.
 #[derive(Debug)]
 enum Current {
-    /// `shown`: it has had a set-point.
-    Along {
-        leg: Leg,
-        start: Instant,
-        end: Instant,
-        shown: bool,
-    },
-    Still {
-        until_ns: i64,
-    },
-    Held {
-        until_ns: i64,
-    },
+    Along { leg: Leg, start: Instant, end: Instant, shown: bool },
+    Still { until_ns: i64 },
+    Held { until_ns: i64 },
 }
 
 impl<P, E> Follower<P>

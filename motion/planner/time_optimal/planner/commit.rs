@@ -17,7 +17,7 @@ use twin_path::prepare::CheckedElement;
 const MARGIN: f64 = 4.0;
 /// And at least so long, s: where cells further on have become shorter they may ask for a little earlier braking.
 const LEAST_MARGIN: f64 = 0.06;
-/// Additional room of earlier plans when they are planned again.
+/// Additional room of earlier plans with limited jerk when they are planned again.
 pub(super) const KEPT_ROOM: [f64; 3] = [3e-4, 2e-3, 1e-6];
 
 impl<I, E, A> Planner<I, E, A>
@@ -118,7 +118,9 @@ where
         let kept = self.tail.iter().take(free - end);
         self.kept.extend(kept.map(|leg| leg.stretch.at_position(leg.stretch.length()).0));
         self.cells.drain(..end);
-        self.loosen(free - end, KEPT_ROOM);
+        if self.jerk_limited {
+            self.loosen(free - end, KEPT_ROOM);
+        }
         self.coarsen(free - end);
     }
 
