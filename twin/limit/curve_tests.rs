@@ -83,6 +83,34 @@ fn arcs_and_the_ways_into_them_have_their_velocities() {
     near(free.duration, length / FEED + FEED / ACCELERATION, 1e-4);
 }
 
+/// Around a short arc the places where the acceleration changes come out of several looks and differ by rounding: every leg has a
+/// duration all the same. Lines of 100 mm to and from 150 mm/s, which the arc allows √(3000·3) mm/s.
+#[test]
+fn a_short_arc_between_lines_is_planned() {
+    let text = "\
+% corner
+N10 G92 X100 Y100 Z0
+N20 G1 X200 F150 E1000 E-1000
+N30 G3 X203 Y103 I0 J3
+N40 G1 Y200
+";
+    let found = limited(&edited(GANTRY3, &[]), text, LimitRules::default());
+    assert_eq!(found.findings, []);
+    let line = |length: f64, at_arc: f64| {
+        let (top, to_top) = (0.15_f64.powi(2), (0.15_f64.powi(2) - at_arc) / 2.0);
+        let ramps = 0.15 + (0.15 - at_arc.sqrt());
+        ramps + (length - 0.5 * top - to_top) / 0.15
+    };
+    let arc = 0.003 * std::f64::consts::FRAC_PI_2 / (3.0_f64 * 0.003).sqrt();
+    let longest = line(0.1, 0.009) + arc + line(0.097, 0.009);
+    // On its way through the arc the path may be faster, for each axis has its limit at one end alone.
+    assert!(
+        found.duration < longest + 1e-4 && found.duration > longest - arc,
+        "{}",
+        found.duration
+    );
+}
+
 /// From one sense of rotation into the other the curvature steps by twice 1/r.
 #[test]
 fn from_arc_to_arc_it_is_slower() {

@@ -43,8 +43,6 @@ const SLACK: f64 = 0.5;
 const AT_CAP: f64 = 1e-4;
 /// Duration of the cells next to a place where the acceleration changes, s.
 const SWITCH: f64 = 2e-4;
-/// Places nearer to the end of a cell than this part of its length are at its end.
-const ROUNDING: f64 = 1e-9;
 /// A first profile may be faster by this part, in u̇², than what keeps the jerk limits at constant velocity: not much more can be won
 /// by speeding up and slowing down.
 const BEND_ROOM: f64 = 2.0;
@@ -466,16 +464,17 @@ fn even_cuts(pair: &[f64], grid: &Grid, cell: usize) -> Vec<f64> {
         let at = (0.5 * (to - from) + down * length) / (up + down);
         vec![(at, from + 2.0 * up * at)]
     };
+    // Cells that are over sooner consist of rounding.
+    let speed = at.iter().fold(from.max(*to), |most, (_, b)| most.max(*b)).sqrt();
+    let least = LEAST_TIME * speed;
+    let inner = |at: &f64| *at > least && *at < length - least;
     // Several limits hold at such a node, and only one gets its sensitivity: short cells keep that small.
-    let within = |at: f64| at > ROUNDING * length && at < (1.0 - ROUNDING) * length;
-    let inner = at.into_iter().filter(|(at, _)| within(*at));
-    let mut parts: Vec<f64> = inner
-        .flat_map(|(at, b)| [-1.0, 0.0, 1.0].map(|side| at + side * SWITCH * b.max(0.0).sqrt()))
-        .filter(|at| within(*at))
-        .map(|at| at / length)
-        .collect();
-    parts.sort_unstable_by(f64::total_cmp);
-    parts
+    let places = at.iter().map(|(at, _)| *at).filter(inner);
+    let sides = |at: f64| [-1.0, 0.0, 1.0].map(|side| at + side * SWITCH * speed);
+    let mut places: Vec<f64> = places.flat_map(sides).filter(inner).collect();
+    places.sort_unstable_by(f64::total_cmp);
+    places.dedup_by(|next, before| *next - *before <= least);
+    places.into_iter().map(|at| at / length).collect()
 }
 
 /// The step so long, s, after the path rested, or before it will.
