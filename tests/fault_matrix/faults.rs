@@ -2,8 +2,6 @@
 
 use twin_drives::{Direction, WireFault};
 
-use crate::rig::DELAY_NS;
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
     InterpCnc,
@@ -95,7 +93,8 @@ impl Fault {
     pub(crate) fn all() -> Vec<Self> {
         let both = [
             WireFault::Drop,
-            WireFault::Delay { ns: DELAY_NS },
+            // The rig says how long.
+            WireFault::Delay { ns: 0 },
             WireFault::Corrupt { bytes: 1 },
             WireFault::Lose { bytes: 1 },
             WireFault::Double { bytes: 1 },

@@ -21,7 +21,7 @@ use twin_smartdrive::{SmartDriveBus, SmartDriveOptions, StepsPerTurn};
 
 use crate::{
     faults::Family,
-    rig::{HOMING_WAY, Rig, clock},
+    rig::{HOMING_WAY, Rig, RigClock},
 };
 
 /// Speed of the plan, increments/s, and how far ahead of now it is known, ns.
@@ -202,7 +202,7 @@ fn comes(holds: impl Fn() -> bool) -> bool {
 }
 
 /// Lets a process move an axis and kills it. Where the axis was when it was dead, and where its plan reached then.
-fn killed<C: twin_drives::Clock + Copy + 'static>(doing: Doing, rig: &Rig<C>) -> (i64, f64) {
+fn killed(doing: Doing, rig: &Rig) -> (i64, f64) {
     // It has until then to begin.
     let start_ns = now_ns() + 1_000_000_000;
     let mut process = spawn(doing, rig.port(), start_ns);
@@ -228,10 +228,8 @@ fn a_move_whose_program_dies_ends_within_its_look_ahead() {
 }
 
 /// Kills the process that has begun something with a device of its own; the numbers of [`killed`], and the axis at rest.
-fn ends(
-    doing: Doing,
-) -> (Rig<impl twin_drives::Clock + Copy + 'static>, (i64, f64), crate::rig::Truth) {
-    let mut rig = Rig::new(doing.family(), 0, clock(1));
+fn ends(doing: Doing) -> (Rig, (i64, f64), crate::rig::Truth) {
+    let mut rig = Rig::new(doing.family(), 0, RigClock::new(1));
     rig.leave();
     let (left, reached) = killed(doing, &rig);
     let rests = comes(|| !rig.truth().moving);
@@ -265,7 +263,7 @@ fn homing_whose_program_dies_goes_on_to_its_switch_or_as_far_as_it_was_allowed()
 /// that dies with its program.
 #[test]
 fn a_memory_file_has_one_master_until_that_is_killed_and_a_stop_gets_through() {
-    let mut rig = Rig::new(Family::Bim2Ax, 0, clock(1));
+    let mut rig = Rig::new(Family::Bim2Ax, 0, RigClock::new(1));
     rig.leave();
     let port = rig.port().to_owned();
     let mut process = spawn(Doing::Approach(Family::Bim2Ax), &port, now_ns());

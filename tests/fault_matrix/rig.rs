@@ -13,8 +13,8 @@ use twin_bim2ax::{
     },
 };
 use twin_drives::{
-    Accelerated, Action, Clock, Control, Direction, Drive, DriveError, Exchange, FaultRule,
-    IncrementMotion, MAX_DRIVE_AXES, ParameterId, SetpointStream, Speed, When, WireFault,
+    Action, Clock, Control, Direction, Drive, DriveError, Exchange, FaultRule, IncrementMotion,
+    MAX_DRIVE_AXES, ParameterId, SetpointStream, When, WireFault,
 };
 use twin_interpcnc as interpcnc;
 use twin_interpcnc::{
@@ -37,15 +37,15 @@ use crate::{
 pub(crate) const SPEED: u32 = 5;
 /// Longest time the drivers wait for an answer: other tests and builds may keep the emulator waiting.
 pub(crate) const DEADLINE: Duration = Duration::from_millis(400);
-/// Frames that are delayed come after the deadline and before the driver trusts the wire again, ns of the device.
-pub(crate) const DELAY_NS: i64 = 500_000_000 * SPEED as i64;
+/// Frames that are delayed come after the deadline and before the driver trusts the wire again.
+const DELAY: Duration = Duration::from_millis(500);
 pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
 /// Duration of a supply outage: longer than the drivers wait for one answer, repeats and late ones included.
 pub(crate) const OUTAGE: Duration = Duration::from_secs(2);
-/// The same, ns of the device.
-const OUTAGE_NS: i64 = 2_000_000_000 * SPEED as i64;
-/// Longest time that homing may take, ns of the device.
-const HOMING_NS: i64 = 4_000_000_000 * SPEED as i64;
+/// Longest time that homing may take.
+const HOMING: Duration = Duration::from_secs(4);
+/// Time that a module takes to start: long enough to be seen by a driver that has to wait for its turn.
+const BOOT: Duration = Duration::from_millis(400);
 /// The longest way to the home switch, increments, for devices that take one.
 pub(crate) const HOMING_WAY: u32 = 12_000;
 /// Release positions of the home switches of drives on a line, increments: at another place in each.
@@ -56,23 +56,45 @@ const SEGMENTS: i32 = 15;
 const SEGMENT: i32 = 4000;
 const SEGMENT_HZ: u32 = 2000;
 
-/// The clock of devices and plans, so many times faster than the wall clock.
-#[expect(
-    clippy::disallowed_methods,
-    reason = "drives on real transports need real time, if a fast one; nothing here is judged by it"
-)]
-pub(crate) fn clock(speed: u32) -> impl Clock + Copy + use<> {
-    let zero = Instant::now();
-    Accelerated::new(
-        move || i64::try_from(zero.elapsed().as_nanos()).expect("not for 292 years"),
-        Speed::times(speed),
-    )
+/// The clock of devices and plans, faster than the wall clock.
+#[derive(Clone, Copy)]
+pub(crate) struct RigClock {
+    zero: Instant,
+    speed: u32,
+}
+
+impl RigClock {
+    /// The speed is relative to the wall clock.
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "drives on real transports need real time, if a fast one; nothing here is judged by it"
+    )]
+    pub(crate) fn new(speed: u32) -> Self {
+        Self { zero: Instant::now(), speed }
+    }
+
+    /// A duration of the wall clock, ns of the device.
+    fn ns(self, duration: Duration) -> i64 {
+        let ns = i64::try_from(duration.as_nanos()).expect("not for 292 years");
+        ns * i64::from(self.speed)
+    }
+}
+
+impl Clock for RigClock {
+    fn now_ns(&self) -> i64 {
+        self.ns(self.zero.elapsed())
+    }
+
+    fn wait(&self, ns: i64) -> Duration {
+        // Rounded up: never before it is time.
+        Duration::from_nanos(ns.max(0).unsigned_abs().div_ceil(self.speed.into()))
+    }
 }
 
 /// Nobody's plan: rest at 0.
-pub(crate) struct Rest<C>(pub C);
+pub(crate) struct Rest(pub(crate) RigClock);
 
-impl<C: Clock> SetpointStream for Rest<C> {
+impl SetpointStream for Rest {
     fn now_ns(&self) -> i64 {
         self.0.now_ns()
     }
@@ -136,18 +158,18 @@ enum Device {
 }
 
 /// A device and its driver; one axis.
-pub(crate) struct Rig<C> {
+pub(crate) struct Rig {
     device: Device,
-    pub(crate) clock: C,
+    pub(crate) clock: RigClock,
     /// Position that the followed plan had reached when the fault occurred.
     pub(crate) reached: Option<f64>,
     /// End of the last segment that was left in the device's buffer.
     pub(crate) queued: Option<i64>,
 }
 
-impl<C: Clock + Copy + 'static> Rig<C> {
+impl Rig {
     /// The seed decides which bytes faults befall.
-    pub(crate) fn new(family: Family, seed: u64, clock: C) -> Self {
+    pub(crate) fn new(family: Family, seed: u64, clock: RigClock) -> Self {
         Self::assuming(family, seed, clock, None)
     }
 
@@ -155,7 +177,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     pub(crate) fn assuming(
         family: Family,
         seed: u64,
-        clock: C,
+        clock: RigClock,
         otherwise: Option<Otherwise>,
     ) -> Self {
         let device = match family {
@@ -278,9 +300,8 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         self.drive().begin_homing(&ways)?;
         let at = || Exchange { port: "rig".into(), address: 1, action: Action::ReadState };
         while self.drive().sample(&rest)?.moving {
-            if self.clock.now_ns() - begun_ns > HOMING_NS {
-                let patience = Duration::from_nanos(HOMING_NS.unsigned_abs());
-                return Err(DriveError::Unfinished { at: at(), patience });
+            if self.clock.now_ns() - begun_ns > self.clock.ns(HOMING) {
+                return Err(DriveError::Unfinished { at: at(), patience: HOMING });
             }
         }
         let homed = self.drive().homed()?;
@@ -332,6 +353,10 @@ impl<C: Clock + Copy + 'static> Rig<C> {
 
     /// Something goes wrong with the wire, with so many frames from the next on; 0: with all.
     pub(crate) fn spoil(&self, direction: Direction, fault: WireFault, frames: u32, after: u32) {
+        let fault = match fault {
+            WireFault::Delay { .. } => WireFault::Delay { ns: self.clock.ns(DELAY) },
+            other => other,
+        };
         let when = if frames == 0 { When::Always } else { When::Next(frames) };
         let rule = FaultRule { direction, when, fault };
         match &self.device {
@@ -347,13 +372,14 @@ impl<C: Clock + Copy + 'static> Rig<C> {
 
     /// Something goes wrong with the device (true), or no more, with the so-many-th request from now; 0: now.
     pub(crate) fn upset(&self, fault: DeviceFault, on: bool, after: u32) {
+        let off_ns = self.clock.ns(OUTAGE);
         match &self.device {
             Device::Board(board, _) => {
                 use interpcnc::emulator::Event;
                 let event = |event| Control::Event(event);
                 let what = match fault {
                     DeviceFault::BrownOut => event(Event::BrownOut { off_ns: 0 }),
-                    DeviceFault::Outage => event(Event::BrownOut { off_ns: OUTAGE_NS }),
+                    DeviceFault::Outage => event(Event::BrownOut { off_ns }),
                     DeviceFault::Stall => event(Event::Stall(BoardAxis::X, on)),
                     DeviceFault::Alarm => event(Event::Enable(!on)),
                     DeviceFault::Stuck => event(Event::StuckStatus(on)),
@@ -365,7 +391,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                 use smartdrive::emulator::Event;
                 let what = match fault {
                     DeviceFault::BrownOut => Event::BrownOut { off_ns: 0 }.to(0),
-                    DeviceFault::Outage => Event::BrownOut { off_ns: OUTAGE_NS }.to(0),
+                    DeviceFault::Outage => Event::BrownOut { off_ns }.to(0),
                     DeviceFault::Stall => Event::Stall.to(0),
                     DeviceFault::Alarm => {
                         Event::Fault { alarms: Alarms::OVERTEMPERATURE, present: on }.to(0)
@@ -379,7 +405,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                 use bim2ax::emulator::Event;
                 let what = match fault {
                     DeviceFault::BrownOut => Control::Event(Event::BrownOut { off_ns: 0 }),
-                    DeviceFault::Outage => Control::Event(Event::BrownOut { off_ns: OUTAGE_NS }),
+                    DeviceFault::Outage => Control::Event(Event::BrownOut { off_ns }),
                     DeviceFault::Stall => Control::Event(Event::Stall(ModuleAxis::One, on)),
                     DeviceFault::Alarm => Control::Event(Event::Power(ModuleAxis::One, !on)),
                     DeviceFault::Stuck => Control::Event(Event::StuckStatus(on)),
@@ -441,12 +467,7 @@ pub(crate) fn prepare_homing(drive: &mut dyn Drive) -> Result<(), DriveError> {
     })
 }
 
-fn board<C: Clock + 'static>(
-    clock: C,
-    seed: u64,
-    following: Following,
-    otherwise: Option<Otherwise>,
-) -> Device {
+fn board(clock: RigClock, seed: u64, following: Following, otherwise: Option<Otherwise>) -> Device {
     let switch =
         Cam { input: 1, axis: BoardAxis::X, from: -9000, to: -3000, normally_closed: false };
     let has_encoder = otherwise.is_some_and(Otherwise::has_encoder);
@@ -491,7 +512,7 @@ const ENCODER_TOLERANCE: u32 = 2;
 /// Addresses of drives. Not 1, with which two bytes of a PING that change places make a RESET.
 const FIRST: u8 = 2;
 
-fn bus<C: Clock + 'static>(clock: C, seed: u64, count: u8, otherwise: Option<Otherwise>) -> Device {
+fn bus(clock: RigClock, seed: u64, count: u8, otherwise: Option<Otherwise>) -> Device {
     let mut assumptions = smartdrive::Assumptions::default();
     if let Some(otherwise) = otherwise {
         otherwise.assume(&mut assumptions);
@@ -532,7 +553,7 @@ fn bus<C: Clock + 'static>(clock: C, seed: u64, count: u8, otherwise: Option<Oth
     Device::Bus(bus, Some(drive))
 }
 
-fn module<C: Clock + 'static>(clock: C, seed: u64, otherwise: Option<Otherwise>) -> Device {
+fn module(clock: RigClock, seed: u64, otherwise: Option<Otherwise>) -> Device {
     let folder = tempfile::tempdir().expect("a folder");
     let image = folder.path().join("eeprom");
     let mut eeprom = bim2ax::emulator::Eeprom::new(2000);
@@ -562,8 +583,7 @@ fn module<C: Clock + 'static>(clock: C, seed: u64, otherwise: Option<Otherwise>)
         microsteps_per_turn: 12_800,
         ..EncoderBench::default()
     });
-    // Long enough to be seen by a driver that has to wait for its turn.
-    options.module.boot_ns = 2_000_000_000;
+    options.module.boot_ns = clock.ns(BOOT);
     if let Some(otherwise) = otherwise {
         otherwise.assume(&mut options.module.assumptions);
         options.module.byte_order = otherwise.byte_order();

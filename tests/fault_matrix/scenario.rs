@@ -10,7 +10,7 @@ use twin_drives::{
 use crate::{
     assumed::Otherwise,
     faults::{DeviceFault, Doing, Family, Fault},
-    rig::{AxisTruth, OUTAGE, Rest, Rig, Truth},
+    rig::{AxisTruth, OUTAGE, Rest, Rig, RigClock, Truth},
     track::Track,
 };
 
@@ -78,13 +78,13 @@ pub(crate) struct Cell {
 }
 
 /// A plan of one axis: at rest, half a cosine, at rest.
-pub(crate) struct Plan<C> {
-    pub(crate) clock: C,
+pub(crate) struct Plan {
+    pub(crate) clock: RigClock,
     pub(crate) start_ns: i64,
 }
 
 #[expect(clippy::cast_precision_loss, reason = "seconds")]
-impl<C: Clock> SetpointStream for Plan<C> {
+impl SetpointStream for Plan {
     fn now_ns(&self) -> i64 {
         self.clock.now_ns() - self.start_ns
     }
@@ -126,7 +126,7 @@ pub(crate) struct Trial {
     pub(crate) otherwise: Option<Otherwise>,
 }
 
-impl<C: Clock + Copy + 'static> Rig<C> {
+impl Rig {
     pub(crate) fn goes_wrong(&self, trial: &Trial, after: u32) {
         match trial.fault {
             Fault::Wire(direction, fault) => self.spoil(direction, fault, trial.frames, after),
@@ -384,7 +384,7 @@ fn unfinished(looks: u32) -> DriveError {
 }
 
 /// Makes a cell of the table.
-pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clock: C) -> Cell {
+pub(crate) fn cell(family: Family, trial: &Trial, clock: RigClock) -> Cell {
     let rest = Rest(clock);
     let mut rig = sound(family, trial.seed, clock, trial.otherwise);
     let outcome = match trial.doing {
@@ -450,12 +450,7 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
 }
 
 /// A device that obeys.
-fn sound<C: Clock + Copy + 'static>(
-    family: Family,
-    seed: u64,
-    clock: C,
-    otherwise: Option<Otherwise>,
-) -> Rig<C> {
+fn sound(family: Family, seed: u64, clock: RigClock, otherwise: Option<Otherwise>) -> Rig {
     let mut rig = Rig::assuming(family, seed, clock, otherwise);
     let rest = Rest(clock);
     // A machine that is busy may keep even a sound device waiting for too long.
@@ -472,7 +467,7 @@ fn sound<C: Clock + Copy + 'static>(
 }
 
 /// How far an axis of a family is away from the plan at most when nothing goes wrong, increments. Measured once.
-fn usual<C: Clock + Copy + 'static>(family: Family, clock: C) -> f64 {
+fn usual(family: Family, clock: RigClock) -> f64 {
     static USUAL: [OnceLock<f64>; Family::ALL.len()] = [const { OnceLock::new() }; 5];
     let place = Family::ALL.iter().position(|other| *other == family).expect("one of all");
     *USUAL[place].get_or_init(|| {

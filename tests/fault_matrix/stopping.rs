@@ -27,7 +27,7 @@ const BACK: f64 = 16.0;
 /// Looks, [`PAUSE`] apart, during which an axis that was stopped has to stay: frames come late by less.
 const STAY_LOOKS: u32 = 70;
 
-impl<C: Clock + Copy + 'static> Rig<C> {
+impl Rig {
     /// Follows a plan for a second, until all axes move towards their targets; then segments are left waiting if they are to. Returns
     /// the state at that time.
     fn follows_for_a_second(&mut self, buffered: bool) -> Result<Truth, Outcome> {
@@ -66,7 +66,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             let half = FAR as f64 / 2.0;
             self.reached = Some(half);
             let moves = self.to(FAR).and_then(|()| self.moves()).map_err(Outcome::NotBegun);
-            moves.map(|_| self.truth())
+            moves.map(|()| self.truth())
         } else {
             self.follows_for_a_second(trial.buffered)
         };
