@@ -113,18 +113,27 @@ pub fn worst(findings: &[Finding]) -> Option<&Finding> {
 /// True if an error is worse than another: only the other one is an overload, or it is a larger multiple of its limit, or both
 /// have one rule and it is farther from its limit.
 pub(crate) fn is_worse(error: &Finding, than: &Finding) -> bool {
-    let factor = |finding: &Finding| match finding.rule {
-        Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisVelocityStep | Rule::AxisJerk => {
-            finding.value.zip(finding.limit).map(|(value, limit)| (value / limit).abs())
-        }
-        _ => None,
-    };
-    match (factor(error), factor(than)) {
+    match (overload(error), overload(than)) {
         (None, Some(_)) => true,
         (Some(factor), Some(other)) => factor > other,
         (None, None) => error.rule == than.rule && error.excess() > than.excess(),
         (Some(_), None) => false,
     }
+}
+
+/// Which multiple of its limit an overload is; none if the finding is about something else.
+pub(crate) fn overload(finding: &Finding) -> Option<f64> {
+    match finding.rule {
+        Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisVelocityStep | Rule::AxisJerk => {
+            finding.value.zip(finding.limit).map(|(value, limit)| factor(value, limit))
+        }
+        _ => None,
+    }
+}
+
+/// Which multiple of its limit a value is.
+pub(crate) fn factor(value: f64, limit: f64) -> f64 {
+    (value / limit).abs()
 }
 
 /// True if any finding makes the program unfit for the machine.

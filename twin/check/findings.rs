@@ -2,6 +2,7 @@
 
 use crate::finding::{self, Finding, Rule, Severity};
 use std::collections::{BTreeMap, VecDeque};
+use twin_path::Place;
 use twin_physics::Part;
 
 /// Findings beyond this number of each severity are counted, not kept: a program that is wrong on every one of ten
@@ -71,15 +72,24 @@ impl Findings {
             {
                 self.worst_left_out = Some(finding);
             }
-            let key = (severity, key);
-            if !self.left_out_lately.contains(&key) {
-                self.left_out += 1;
-                if self.left_out_lately.len() == REMEMBERED {
-                    self.left_out_lately.pop_front();
-                }
-                self.left_out_lately.push_back(key);
-            }
+            self.leave_out((severity, key));
         }
+    }
+
+    /// Counts a finding that is not kept.
+    fn leave_out(&mut self, key: (Severity, Key)) {
+        if !self.left_out_lately.contains(&key) {
+            self.left_out += 1;
+            if self.left_out_lately.len() == REMEMBERED {
+                self.left_out_lately.pop_front();
+            }
+            self.left_out_lately.push_back(key);
+        }
+    }
+
+    /// Findings about an axis.
+    pub(super) fn about_axis(&mut self, index: usize) -> AboutAxis<'_> {
+        AboutAxis { findings: self, about: About::Axis(index) }
     }
 
     /// True if another finding of this severity would be kept.
@@ -104,6 +114,42 @@ impl Findings {
             left_out -= 1;
         }
         (list, left_out)
+    }
+}
+
+/// Findings about one axis.
+#[derive(Debug)]
+pub(super) struct AboutAxis<'f> {
+    findings: &'f mut Findings,
+    about: About,
+}
+
+impl AboutAxis<'_> {
+    pub(super) fn add(&mut self, finding: Finding) {
+        self.findings.add(Some(self.about), finding);
+    }
+
+    /// Counts a value above its limit if its finding would be one of those that are only counted: then true, and its message is not
+    /// needed.
+    pub(super) fn only_counts(
+        &mut self,
+        (severity, rule): (Severity, Rule),
+        place: Place,
+        value: f64,
+        limit: f64,
+    ) -> bool {
+        let Findings { kept, worst_left_out, .. } = &*self.findings;
+        let Some(kept) = kept.get(&severity).filter(|kept| kept.len() == MAX_FINDINGS) else {
+            return false;
+        };
+        let key = (place.line, rule, Some(self.about), None, None);
+        let worst = worst_left_out.as_ref().and_then(finding::overload);
+        let is_worst = worst.is_none_or(|worst| finding::factor(value, limit) > worst);
+        if kept.contains_key(&key) || (severity == Severity::Error && is_worst) {
+            return false;
+        }
+        self.findings.leave_out((severity, key));
+        true
     }
 }
 

@@ -1,9 +1,9 @@
 //! Check of the planned motion, piece by piece, instead of at its set-points.
 
 use super::edge::{EdgeDistance, EdgeSearch};
-use super::findings::{About, Findings};
+use super::findings::{About, AboutAxis, Findings};
 use super::messages;
-use crate::finding::Finding;
+use crate::finding::{Finding, Rule, Severity};
 use crate::limit::{MachinePath, out_of_reach};
 use crate::messages::beyond_position;
 use crate::peak::AxisPeak;
@@ -207,9 +207,9 @@ impl<'m> PieceCheck<'m> {
             if self.sampled.get(index).copied().unwrap_or_default() {
                 continue;
             }
-            let mut report = |finding| findings.add(Some(About::Axis(index)), finding);
-            self.values(&examined, index, axis, peak, &mut open.wrong, &mut report);
-            let step = examined.extremes.axes.get(index).map(|found| found.step);
+            let mut found = findings.about_axis(index);
+            self.values(&examined, index, axis, peak, &mut open.wrong, &mut found);
+            let step = examined.extremes.axes.get(index).map(|extremes| extremes.step);
             let limit = self.step_limit(index);
             if let Some(step) = step.filter(|step| exceeds(step.value, limit)) {
                 let (state, _) = planned.piece.at(step.at);
@@ -218,15 +218,15 @@ impl<'m> PieceCheck<'m> {
                     let (finding, quantity) = (messages::at_edge(finding), Quantity::Step);
                     open.wrong.push(Wrong { axis: index, quantity, limit, finding });
                 } else {
-                    report(messages::at_once(finding, state.velocity * limit / step.value));
+                    found.add(messages::at_once(finding, state.velocity * limit / step.value));
                 }
             }
             if let Some(jumps) = &jumps {
-                self.jump(&examined, jumps, index, peak, &mut report);
+                self.jump(&examined, jumps, index, peak, &mut found);
             }
             if !lost {
                 let ends = (self.last.as_ref(), Some(&examined));
-                self.step(ends, index, peak, &mut open.wrong, &mut report);
+                self.step(ends, index, peak, &mut open.wrong, &mut found);
             }
         }
         let [_, end] = examined.extremes.ends;
@@ -337,8 +337,8 @@ impl<'m> PieceCheck<'m> {
         let mut wrong = Vec::new();
         for (index, peak) in peaks.iter_mut().enumerate() {
             if !self.sampled.get(index).copied().unwrap_or_default() {
-                let mut report = |finding| findings.add(Some(About::Axis(index)), finding);
-                self.step((Some(&last), None), index, peak, &mut wrong, &mut report);
+                let mut found = findings.about_axis(index);
+                self.step((Some(&last), None), index, peak, &mut wrong, &mut found);
             }
         }
         if let Some(open) = &mut self.open {
@@ -399,23 +399,28 @@ impl<'m> PieceCheck<'m> {
         axis: &Axis,
         peak: &mut AxisPeak,
         wrong: &mut Vec<Wrong>,
-        report: &mut dyn FnMut(Finding),
+        found: &mut AboutAxis<'_>,
     ) {
         let Examined { place, extremes, .. } = examined;
         let place = *place;
-        let Some(found) = extremes.axes.get(index) else { return };
-        let AxisExtremes { position, velocity, acceleration, deceleration, jerk, .. } = *found;
+        let Some(extremes) = extremes.axes.get(index) else { return };
+        let AxisExtremes { position, velocity, acceleration, deceleration, jerk, .. } = *extremes;
         let [faster, harder, jerkier] = self.slack;
         if let Some([low, high]) = position {
             peak.include_position([low, high]);
             for position in [low, high] {
-                beyond_position(axis, place, position).into_iter().for_each(&mut *report);
+                beyond_position(axis, place, position)
+                    .into_iter()
+                    .for_each(|beyond| found.add(beyond));
             }
         }
         peak.velocity.include(velocity.value, place);
-        if exceeds(velocity.value, EXACT * faster * axis.max_velocity) {
+        let (error, limit) = (Severity::Error, axis.max_velocity);
+        if exceeds(velocity.value, EXACT * faster * limit)
+            && !found.only_counts((error, Rule::AxisVelocity), place, velocity.value, limit)
+        {
             let finding = messages::too_fast(axis, place, velocity.value);
-            let (quantity, limit) = (Quantity::Velocity, axis.max_velocity);
+            let quantity = Quantity::Velocity;
             wrong.push(Wrong { axis: index, quantity, limit, finding });
         }
         let hard = [
@@ -428,7 +433,9 @@ impl<'m> PieceCheck<'m> {
             }
             let limit = axis.acceleration_limit(slows);
             peak.include_acceleration(axis, slows, value, place);
-            if exceeds(value, EXACT * harder * limit) {
+            if exceeds(value, EXACT * harder * limit)
+                && !found.only_counts((error, Rule::AxisAcceleration), place, value, limit)
+            {
                 let finding = messages::too_hard(axis, place, value, slows);
                 wrong.push(Wrong { axis: index, quantity, limit, finding });
             }
@@ -437,17 +444,29 @@ impl<'m> PieceCheck<'m> {
         if let Some(limit) =
             axis.max_jerk.filter(|limit| exceeds(jerk.value, JERK_EXACT * jerkier * *limit))
         {
-            report(self.jerky(axis, place, jerk.value, limit));
+            self.add_jerky(axis, place, jerk.value, limit, found);
         }
     }
 
-    /// Finding about a jerk above its limit: an error where the plan is to keep it and is far above it.
-    fn jerky(&self, axis: &Axis, place: Place, jerk: f64, limit: f64) -> Finding {
-        if self.plans_as_programmed() || jerk <= FAR_ABOVE * limit {
-            messages::too_jerky(axis, place, jerk, limit)
-        } else {
-            messages::far_too_jerky(axis, place, jerk, limit)
+    /// Adds a finding about a jerk above its limit: an error where the plan is to keep it and is far above it.
+    fn add_jerky(
+        &self,
+        axis: &Axis,
+        place: Place,
+        jerk: f64,
+        limit: f64,
+        found: &mut AboutAxis<'_>,
+    ) {
+        let far = !self.plans_as_programmed() && jerk > FAR_ABOVE * limit;
+        let severity = if far { Severity::Error } else { Severity::Warning };
+        if found.only_counts((severity, Rule::AxisJerk), place, jerk, limit) {
+            return;
         }
+        found.add(if far {
+            messages::far_too_jerky(axis, place, jerk, limit)
+        } else {
+            messages::too_jerky(axis, place, jerk, limit)
+        });
     }
 
     /// Jumps of the axes at the start of a piece, where the path goes on; none if it does not.
@@ -468,7 +487,7 @@ impl<'m> PieceCheck<'m> {
         jumps: &AxisVector,
         index: usize,
         peak: &mut AxisPeak,
-        report: &mut dyn FnMut(Finding),
+        found: &mut AboutAxis<'_>,
     ) {
         let jump = jumps.get(index).copied().unwrap_or_default();
         let Some(axis) = self.machine.axes.get(index).filter(|_| jump.abs() > SAME_PLACE) else {
@@ -480,9 +499,9 @@ impl<'m> PieceCheck<'m> {
         let [faster, ..] = self.slack;
         let limit = self.step_limit(index);
         if exceeds(velocity, EXACT * faster * axis.max_velocity) {
-            report(messages::turns_at_once(messages::too_fast(axis, place, velocity)));
+            found.add(messages::turns_at_once(messages::too_fast(axis, place, velocity)));
         } else if exceeds(velocity, limit) {
-            report(messages::turns_at_once(messages::step(axis, place, velocity, limit)));
+            found.add(messages::turns_at_once(messages::step(axis, place, velocity, limit)));
         }
     }
 
@@ -499,7 +518,7 @@ impl<'m> PieceCheck<'m> {
         index: usize,
         peak: &mut AxisPeak,
         wrong: &mut Vec<Wrong>,
-        report: &mut dyn FnMut(Finding),
+        found: &mut AboutAxis<'_>,
     ) {
         let Some(axis) = self.machine.axes.get(index) else { return };
         let of = |node: Option<&Node>, order: usize| {
@@ -524,10 +543,11 @@ impl<'m> PieceCheck<'m> {
                 let direction = tangent(&planned.element, &planned.piece, 0.0);
                 let (joined, angle) = self.joined(index, &direction);
                 let value = if value > SAME_PLACE { value.max(joined) } else { value };
-                if exceeds(value, limit) {
+                let of = (Severity::Error, Rule::AxisVelocityStep);
+                if exceeds(value, limit) && !found.only_counts(of, place(true), value, limit) {
                     let feed = planned.piece.at(0.0).0.velocity * limit / value;
                     let finding = messages::step(axis, place(true), value, limit);
-                    report(messages::at_corner(finding, angle, feed));
+                    found.add(messages::at_corner(finding, angle, feed));
                 }
             }
             _ if exceeds(value, limit) => {
@@ -546,7 +566,7 @@ impl<'m> PieceCheck<'m> {
                 } else {
                     let moving = last.map_or(0.0, |last| last.state[1]);
                     let starting = next.map_or(0.0, |next| next.planned.piece.at(0.0).0.velocity);
-                    report(messages::at_once(finding, moving.max(starting) * limit / value));
+                    found.add(messages::at_once(finding, moving.max(starting) * limit / value));
                 }
             }
             _ => {}
@@ -556,7 +576,7 @@ impl<'m> PieceCheck<'m> {
         let [.., jerkier] = self.slack;
         peak.jerk.include(jerk, place);
         if let Some(limit) = axis.max_jerk.filter(|limit| exceeds(jerk, jerkier * *limit)) {
-            report(self.jerky(axis, place, jerk, limit));
+            self.add_jerky(axis, place, jerk, limit, found);
         }
     }
 }
