@@ -178,10 +178,8 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         let mut windows = vec![[0.0, piece.duration]];
         while let Some([from, to]) = windows.pop() {
             let near = last.map_or(*near, |node| node.position);
-            let mut trial = found.clone();
-            match self.window(&along, [from, to], &near, &mut trial) {
+            match self.window(&along, [from, to], &near, &mut found) {
                 Ok(ends) => {
-                    found = trial;
                     match &last {
                         Some(before) => found.step(before, &ends[0]),
                         None => found.ends[0] = ends[0],
@@ -212,7 +210,7 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         Ok(found)
     }
 
-    /// Takes the extremes of a part of a piece, whose ends it returns.
+    /// Takes the extremes of a part of a piece, whose ends it returns; nothing of it if it has an edge.
     fn window(
         &self,
         along: &Along<'_>,
@@ -220,17 +218,30 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         near: &AxisVector,
         found: &mut Extremes,
     ) -> Result<[Node; 2], Obstacle> {
-        let smallest = 1e-3 * self.cycle;
         let first = self.node(along, from, near)?;
         let last = self.node(along, to, &self.turns(along, &first, to))?;
+        let even = first.is_even && last.is_even && along.piece.is_monotone();
+        // Where the axes move evenly every value is taken at one of the ends.
+        let mut between = (!even).then(|| found.clone());
         for node in [&first, &last] {
-            found.take(node, along.floors);
+            between.as_mut().unwrap_or(found).take(node, along.floors);
         }
-        if first.is_even && last.is_even && along.piece.is_monotone() {
-            // Every value is taken at one of the ends.
-            return Ok([first, last]);
+        if let Some(mut between) = between {
+            self.bisect(along, [first, last], &mut between)?;
+            *found = between;
         }
-        let mut left = vec![[first, last]];
+        Ok([first, last])
+    }
+
+    /// Takes the extremes between two nodes.
+    fn bisect(
+        &self,
+        along: &Along<'_>,
+        ends: [Node; 2],
+        found: &mut Extremes,
+    ) -> Result<(), Obstacle> {
+        let smallest = 1e-3 * self.cycle;
+        let mut left = vec![ends];
         while let Some([from, to]) = left.pop() {
             let width = to.time - from.time;
             let middle = from.time.midpoint(to.time);
@@ -258,7 +269,7 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
             left.push([middle, to]);
             left.push([from, middle]);
         }
-        Ok([first, last])
+        Ok(())
     }
 
     /// Position near that at the time `to`, by the turn of rotary axes: an arc may take them round by more than half a turn.
