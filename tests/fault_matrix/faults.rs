@@ -93,7 +93,7 @@ impl Fault {
     pub(crate) fn all() -> Vec<Self> {
         let both = [
             WireFault::Drop,
-            // The rig says how long.
+            // The rig sets the time.
             WireFault::Delay { ns: 0 },
             WireFault::Corrupt { bytes: 1 },
             WireFault::Lose { bytes: 1 },

@@ -41,9 +41,9 @@ const STRIDE: usize = 97;
 const MOST_REPEATS: usize = 5;
 /// An axis may have been behind its plan in one of so many cells, and in one more in all.
 const MOST_BEHIND: usize = 200;
-/// A cell in which an axis was behind its plan is made so many times at the speed of the wall clock, where a computer that is busy
-/// delays exchanges little for their length: set-points that a driver loses by chance would be lost in one of them.
-const AT_REAL_SPEED: usize = 5;
+/// Repeats of a cell in which an axis was behind its plan, at the speed of the wall clock, where a delay on a busy computer is a
+/// fifth in device time: set-points that a driver loses by chance would be lost in one of them.
+const REPEATS: usize = 5;
 
 /// A cell that has been made.
 struct Made {
@@ -112,7 +112,7 @@ impl Row {
     }
 }
 
-/// The speed of its clock is relative to the wall clock.
+/// Makes a cell; `speed`: device time per wall time.
 fn make(row: Row, doing: Doing, speed: u32) -> Made {
     let Row { fault, family, otherwise } = row;
     let wanted = if row.has_encoder() {
@@ -174,9 +174,9 @@ fn every_fault_comes_to_what_it_should() {
     });
 
     // A computer that is too busy keeps sound devices waiting: where that is all that is not as expected, the cell is made
-    // again, alone: one whose axis was behind its plan on the way as often as it takes to tell accident from driver, and each
-    // time it has to be right, within the same bound. What was lost unnoticed, what could not be stopped and every other
-    // difference stands.
+    // again when the others are done: one whose axis was behind its plan on the way as often as it takes to tell accident from
+    // driver, and each time it has to be right, within the same bound. What was lost unnoticed, what could not be stopped and
+    // every other difference stands.
     let (mut again, mut behind) = (Vec::new(), 0);
     for ((row, doing, _), made) in jobs.iter().zip(&made) {
         let mut made = made.lock().expect("a cell");
@@ -185,11 +185,12 @@ fn every_fault_comes_to_what_it_should() {
             continue;
         }
         behind += usize::from(made.behind);
+        assert!(behind <= 1 + jobs.len() / MOST_BEHIND, "too many are behind their plans");
         again.push(format!("{}: {}", row.name(*doing), made.wrong.clone().unwrap_or_default()));
         if made.behind {
             let mut others = thread::scope(|scope| {
                 let slow = || make(*row, *doing, 1);
-                let slow: Vec<_> = (0..AT_REAL_SPEED).map(|_| scope.spawn(slow)).collect();
+                let slow: Vec<_> = (0..REPEATS).map(|_| scope.spawn(slow)).collect();
                 slow.into_iter().map(|one| one.join().expect("a cell")).collect::<Vec<_>>()
             });
             let wrong = others.iter().position(|one| one.wrong.is_some());

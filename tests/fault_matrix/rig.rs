@@ -13,8 +13,8 @@ use twin_bim2ax::{
     },
 };
 use twin_drives::{
-    Action, Clock, Control, Direction, Drive, DriveError, Exchange, FaultRule, IncrementMotion,
-    MAX_DRIVE_AXES, ParameterId, SetpointStream, When, WireFault,
+    Accelerated, Action, Clock, Control, Direction, Drive, DriveError, Exchange, FaultRule,
+    IncrementMotion, MAX_DRIVE_AXES, ParameterId, SetpointStream, Speed, When, WireFault,
 };
 use twin_interpcnc as interpcnc;
 use twin_interpcnc::{
@@ -42,10 +42,10 @@ const DELAY: Duration = Duration::from_millis(500);
 pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
 /// Duration of a supply outage: longer than the drivers wait for one answer, repeats and late ones included.
 pub(crate) const OUTAGE: Duration = Duration::from_secs(2);
-/// Longest time that homing may take.
-const HOMING: Duration = Duration::from_secs(4);
-/// Time that a module takes to start: long enough to be seen by a driver that has to wait for its turn.
-const BOOT: Duration = Duration::from_millis(400);
+/// Longest time that homing may take, ns of the device.
+const HOMING_NS: i64 = 20_000_000_000;
+/// How far a plan is known ahead: shorter than drivers wait for an answer.
+const HORIZON: Duration = Duration::from_millis(100);
 /// The longest way to the home switch, increments, for devices that take one.
 pub(crate) const HOMING_WAY: u32 = 12_000;
 /// Release positions of the home switches of drives on a line, increments: at another place in each.
@@ -56,39 +56,56 @@ const SEGMENTS: i32 = 15;
 const SEGMENT: i32 = 4000;
 const SEGMENT_HZ: u32 = 2000;
 
-/// The clock of devices and plans, faster than the wall clock.
+/// The wall clock, from its first look on.
+#[derive(Clone, Copy)]
+struct Wall(Instant);
+
+impl Clock for Wall {
+    fn now_ns(&self) -> i64 {
+        nanoseconds(self.0.elapsed())
+    }
+}
+
+/// The clock of devices and plans.
 #[derive(Clone, Copy)]
 pub(crate) struct RigClock {
-    zero: Instant,
-    speed: u32,
+    clock: Accelerated<Wall>,
+    /// Device time per wall time.
+    pub(crate) speed: u32,
 }
 
 impl RigClock {
-    /// The speed is relative to the wall clock.
     #[expect(
         clippy::disallowed_methods,
         reason = "drives on real transports need real time, if a fast one; nothing here is judged by it"
     )]
     pub(crate) fn new(speed: u32) -> Self {
-        Self { zero: Instant::now(), speed }
+        Self { clock: Accelerated::new(Wall(Instant::now()), Speed::times(speed)), speed }
     }
 
-    /// A duration of the wall clock, ns of the device.
+    /// A duration of the wall clock in device time, ns.
     fn ns(self, duration: Duration) -> i64 {
-        let ns = i64::try_from(duration.as_nanos()).expect("not for 292 years");
-        ns * i64::from(self.speed)
+        nanoseconds(duration) * i64::from(self.speed)
+    }
+
+    /// How far plans are known ahead, ns of the device.
+    pub(crate) fn horizon_ns(self) -> i64 {
+        self.ns(HORIZON)
     }
 }
 
 impl Clock for RigClock {
     fn now_ns(&self) -> i64 {
-        self.ns(self.zero.elapsed())
+        self.clock.now_ns()
     }
 
     fn wait(&self, ns: i64) -> Duration {
-        // Rounded up: never before it is time.
-        Duration::from_nanos(ns.max(0).unsigned_abs().div_ceil(self.speed.into()))
+        self.clock.wait(ns)
     }
+}
+
+fn nanoseconds(duration: Duration) -> i64 {
+    i64::try_from(duration.as_nanos()).expect("not for 292 years")
 }
 
 /// Nobody's plan: rest at 0.
@@ -300,8 +317,9 @@ impl Rig {
         self.drive().begin_homing(&ways)?;
         let at = || Exchange { port: "rig".into(), address: 1, action: Action::ReadState };
         while self.drive().sample(&rest)?.moving {
-            if self.clock.now_ns() - begun_ns > self.clock.ns(HOMING) {
-                return Err(DriveError::Unfinished { at: at(), patience: HOMING });
+            if self.clock.now_ns() - begun_ns > HOMING_NS {
+                let patience = Duration::from_nanos(HOMING_NS.unsigned_abs());
+                return Err(DriveError::Unfinished { at: at(), patience });
             }
         }
         let homed = self.drive().homed()?;
@@ -583,7 +601,8 @@ fn module(clock: RigClock, seed: u64, otherwise: Option<Otherwise>) -> Device {
         microsteps_per_turn: 12_800,
         ..EncoderBench::default()
     });
-    options.module.boot_ns = clock.ns(BOOT);
+    // Long enough to be seen by a driver that has to wait for its turn.
+    options.module.boot_ns = 2_000_000_000;
     if let Some(otherwise) = otherwise {
         otherwise.assume(&mut options.module.assumptions);
         options.module.byte_order = otherwise.byte_order();

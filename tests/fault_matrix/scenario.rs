@@ -25,8 +25,6 @@ const STROKE: f64 = 16_000.0;
 const DURATION_S: f64 = 16.0;
 /// Its highest speed, increments/s.
 const PEAK: f64 = 0.5 * STROKE * PI / DURATION_S;
-/// Horizon of the plan, ns.
-pub(crate) const HORIZON_NS: i64 = 500_000_000;
 /// Looks after which an axis no longer comes to rest.
 pub(crate) const MOST_LOOKS: u32 = 20_000;
 /// Looks in a row with the same position after which an axis rests, and where its status says that it moves.
@@ -102,7 +100,7 @@ impl SetpointStream for Plan {
     }
 
     fn horizon_ns(&self) -> i64 {
-        HORIZON_NS
+        self.clock.horizon_ns()
     }
 }
 
@@ -308,7 +306,8 @@ impl Rig {
                     spoilt = true;
                     if let Some(trial) = trial {
                         self.goes_wrong(trial, 0);
-                        self.reached = Some(plan.at(plan.now_ns() + HORIZON_NS).position[0]);
+                        let known_ns = plan.now_ns() + self.clock.horizon_ns();
+                        self.reached = Some(plan.at(known_ns).position[0]);
                     }
                 }
                 Ok(_) => {}
@@ -466,11 +465,13 @@ fn sound(family: Family, seed: u64, clock: RigClock, otherwise: Option<Otherwise
     rig
 }
 
-/// How far an axis of a family is away from the plan at most when nothing goes wrong, increments. Measured once.
+/// How far an axis of a family is away from the plan at most when nothing goes wrong, increments. Measured once for the speed of
+/// the wall clock and once for [`SPEED`](crate::rig::SPEED).
 fn usual(family: Family, clock: RigClock) -> f64 {
-    static USUAL: [OnceLock<f64>; Family::ALL.len()] = [const { OnceLock::new() }; 5];
+    static USUAL: [[OnceLock<f64>; Family::ALL.len()]; 2] =
+        [const { [const { OnceLock::new() }; Family::ALL.len()] }; 2];
     let place = Family::ALL.iter().position(|other| *other == family).expect("one of all");
-    *USUAL[place].get_or_init(|| {
+    *USUAL[usize::from(clock.speed == 1)][place].get_or_init(|| {
         let attempt = || sound(family, 0, clock, None).moving(None, 0.0);
         let (mut outcome, mut tracks) = attempt();
         for _ in 1..MOST_ATTEMPTS {

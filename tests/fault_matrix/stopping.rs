@@ -13,9 +13,7 @@ use crate::{
     expected::Cause,
     faults::{Doing, Fault},
     rig::{AxisTruth, Rest, Rig, Truth},
-    scenario::{
-        HORIZON_NS, MOST_ATTEMPTS, MOST_LOOKS, Outcome, PAUSE, Plan, SENSES, TARGET, Trial, is_over,
-    },
+    scenario::{MOST_ATTEMPTS, MOST_LOOKS, Outcome, PAUSE, Plan, SENSES, TARGET, Trial, is_over},
 };
 
 /// For so long a plan is followed before it is stopped, ns of the device: a second of the computer's.
@@ -45,7 +43,7 @@ impl Rig {
                 return Err(Outcome::Lost(format!("it does not follow: {truth:?}")));
             }
         };
-        let reached = plan.at(plan.now_ns() + HORIZON_NS).position[0];
+        let reached = plan.at(plan.now_ns() + self.clock.horizon_ns()).position[0];
         self.reached = Some(reached);
         if buffered {
             self.queue_segments(reached.ceil() as i32).map_err(Outcome::NotBegun)?;
