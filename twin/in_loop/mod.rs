@@ -11,7 +11,8 @@ mod tests;
 use crate::emulated;
 use crate::setpoint::{AxisSetpoint, HORIZON_NS};
 use std::collections::VecDeque;
-use twin_drives::{IncrementMotion, Prediction, SetpointStream};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, Prediction, SetpointStream};
 use twin_kinematics::{AxisMotion, AxisVector};
 use twin_machine::axis_kind::AxisKind;
 use twin_machine::{Counting, DeviceEntry, Machine};
@@ -32,11 +33,33 @@ struct Device {
     index: usize,
     prediction: Box<dyn Prediction>,
     axes: Vec<DeviceAxis>,
+    /// The set-points from that of the cycle before on, as far as the device has looked at them.
+    counted: Mutex<VecDeque<Counted>>,
 }
 
 impl Clone for Device {
     fn clone(&self) -> Self {
-        Self { index: self.index, prediction: self.prediction.copied(), axes: self.axes.clone() }
+        let (prediction, axes) = (self.prediction.copied(), self.axes.clone());
+        Self { index: self.index, prediction, axes, counted: Mutex::default() }
+    }
+}
+
+/// A motion in increments, which a device that looks ahead asks for again and again.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counted {
+    /// Positions and velocities of the axes, m or rad.
+    si: [[f64; MAX_DRIVE_AXES]; 2],
+    increments: IncrementMotion,
+}
+
+impl Counted {
+    fn of(axes: &[DeviceAxis], si: [[f64; MAX_DRIVE_AXES]; 2]) -> Self {
+        let [positions, velocities] = si;
+        let pairs = axes.iter().zip(positions.into_iter().zip(velocities));
+        let increments = IncrementMotion::of(pairs.map(|(place, (position, velocity))| {
+            (place.counting.increments(position), place.counting.increments(velocity))
+        }));
+        Self { si, increments }
     }
 }
 
@@ -78,7 +101,7 @@ impl DrivesInLoop {
                 });
                 let axes: Vec<_> = axes.collect();
                 let prediction = if axes.is_empty() { None } else { prediction(index, entry) };
-                Some(Device { index, prediction: prediction?, axes })
+                Some(Device { index, prediction: prediction?, axes, counted: Mutex::default() })
             })
             .collect();
         let cycle_ns = machine.cycle_ns;
@@ -130,12 +153,15 @@ impl DrivesInLoop {
         for device in &mut self.devices {
             let plan = Plan {
                 axes: &device.axes,
+                counted: &device.counted,
                 before: &before,
                 setpoint,
                 ahead,
                 cycle_ns: self.cycle_ns,
             };
             let asked = device.prediction.advance(&plan, setpoint.time_ns);
+            // In the next cycle this one is the one before.
+            held(&device.counted).pop_front();
             let asked = asked.position.iter().zip(asked.velocity);
             for (place, (position, velocity)) in device.axes.iter().zip(asked) {
                 let DeviceAxis { axis, counting } = *place;
@@ -150,9 +176,15 @@ impl DrivesInLoop {
     }
 }
 
+/// What a thread that has ended badly left there is as good as nothing: it is compared before it is used.
+fn held(counted: &Mutex<VecDeque<Counted>>) -> MutexGuard<'_, VecDeque<Counted>> {
+    counted.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// The planned motion of a device's axes, around the cycle that is simulated.
 struct Plan<'a> {
     axes: &'a [DeviceAxis],
+    counted: &'a Mutex<VecDeque<Counted>>,
     before: &'a AxisSetpoint,
     setpoint: &'a AxisSetpoint,
     ahead: &'a VecDeque<AxisSetpoint>,
@@ -169,14 +201,31 @@ impl Plan<'_> {
         }
     }
 
-    fn increments(&self, motion: &AxisMotion) -> IncrementMotion {
-        let mut increments = IncrementMotion::default();
-        let slots = increments.position.iter_mut().zip(&mut increments.velocity);
-        for ((position, velocity), place) in slots.zip(self.axes) {
-            let of = |values: &AxisVector| place.counting.increments(values[place.axis]);
-            (*position, *velocity) = (of(&motion.position), of(&motion.velocity));
+    /// Positions and velocities of the device's axes, m or rad.
+    fn si(&self, motion: &AxisMotion) -> [[f64; MAX_DRIVE_AXES]; 2] {
+        [&motion.position, &motion.velocity].map(|values: &AxisVector| {
+            let mut of_device = [0.0; MAX_DRIVE_AXES];
+            for (slot, place) in of_device.iter_mut().zip(self.axes) {
+                *slot = values[place.axis];
+            }
+            of_device
+        })
+    }
+
+    /// The set-point of a cycle, counted from the one before, in increments. It may have changed since it was asked for: an
+    /// override changes the plan.
+    fn increments(&self, counted: &mut VecDeque<Counted>, cycle: usize) -> Option<IncrementMotion> {
+        let si = self.si(&self.get(cycle)?.axes);
+        while counted.len() <= cycle {
+            let next = self.si(&self.get(counted.len())?.axes);
+            counted.push_back(Counted::of(self.axes, next));
         }
-        increments
+        let slot = counted.get_mut(cycle)?;
+        #[expect(clippy::float_cmp, reason = "the same numbers or others")]
+        if slot.si != si {
+            *slot = Counted::of(self.axes, si);
+        }
+        Some(slot.increments)
     }
 }
 
@@ -188,15 +237,20 @@ impl SetpointStream for Plan<'_> {
     fn at(&self, time_ns: i64) -> IncrementMotion {
         let since_ns = time_ns - (self.setpoint.time_ns - self.cycle_ns);
         let last = self.ahead.back().unwrap_or(self.setpoint);
-        let resting = |at: &AxisSetpoint| self.increments(&AxisMotion::at_rest(at.axes.position));
+        let resting = |at: &AxisSetpoint| {
+            Counted::of(self.axes, self.si(&AxisMotion::at_rest(at.axes.position))).increments
+        };
         let Ok(index) = usize::try_from(since_ns.div_euclid(self.cycle_ns)) else {
             return resting(self.before);
         };
-        let (Some(from), Some(to)) = (self.get(index), self.get(index.saturating_add(1))) else {
-            return resting(last);
+        let next = index.saturating_add(1);
+        let ends = {
+            let mut counted = held(self.counted);
+            self.increments(&mut counted, index).zip(self.increments(&mut counted, next))
         };
+        let Some((from, to)) = ends else { return resting(last) };
         let part = seconds(since_ns.rem_euclid(self.cycle_ns)) / seconds(self.cycle_ns);
-        self.increments(&from.axes).towards(&self.increments(&to.axes), part)
+        from.towards(&to, part)
     }
 
     fn horizon_ns(&self) -> i64 {
