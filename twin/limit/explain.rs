@@ -126,12 +126,12 @@ impl Profile<'_> {
                     consider(part, Binding::Centripetal);
                 }
                 if self.rules.feed {
-                    let factor = self.follower.plan().override_factor();
+                    let factor = self.follower.plan().planner().override_factor();
                     consider(v / (factor * transition.velocity), Binding::EndVelocity);
                 }
             }
         }
-        let wanted = self.follower.plan().override_factor() * element.feed();
+        let wanted = self.follower.plan().planner().override_factor() * element.feed();
         let mut rows = [DragRow::default(); MOST_FURTHER_ROWS];
         let cap = torque.map_or(Cap::NONE, |torque| self.axes.rows(torque, &mut rows));
         for (index, row) in rows.iter().take(self.axes.further_rows()).enumerate() {

@@ -22,8 +22,8 @@ use twin_planner::blended_path::{BlendOptions, BlendedElement, Order};
 use twin_planner::controller::{DEFAULT_CYCLE_NS, ToolSetpoint};
 use twin_planner::planned_motion::PlannedPiece;
 use twin_planner::time_optimal::{
-    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, Planner, Rates,
-    Shown,
+    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, ParallelPlanner,
+    Planner, Rates, Shown,
 };
 
 /// Limits that count in a plan.
@@ -128,7 +128,7 @@ pub enum ProfileItem {
 pub struct Profile<'m> {
     pub(super) machine: &'m Machine,
     pub(super) axes: MachinePath<'m>,
-    pub(super) follower: Follower<Planner<Prepared, Halt, MachinePath<'m>>>,
+    pub(super) follower: Follower<ParallelPlanner<Prepared, Halt, MachinePath<'m>>>,
     pub(super) rules: LimitRules,
     near: AxisVector,
     found: Findings,
@@ -161,6 +161,10 @@ impl<'m> Profile<'m> {
         let near = axes.home();
         let factor = program.settings().inputs.override_factor.factor();
         let planner = planner(path, machine, rules, (factor, false))?;
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let machines: Result<Vec<_>, _> =
+            (0..cores).map(|_| MachinePath::new(machine, rules.axes)).collect();
+        let planner = ParallelPlanner::new(planner, machines?);
         let cycle = u32::try_from(machine.cycle_ns).ok().and_then(NonZeroU32::new);
         let follower = Follower::new(planner, cycle.unwrap_or(DEFAULT_CYCLE_NS));
         Ok(Self {
@@ -220,13 +224,13 @@ impl<'m> Profile<'m> {
 
     /// Planning effort so far.
     pub fn effort(&self) -> Effort {
-        self.follower.plan().effort()
+        self.follower.plan().planner().effort()
     }
 
     /// Time gained by raising each limit that gains any, the largest gain first.
     pub fn changes(&self) -> Vec<Change> {
         let mut changes: Vec<Change> = Vec::new();
-        for (constraint, time) in self.follower.plan().costs() {
+        for (constraint, time) in self.follower.plan().planner().costs() {
             let Some(binding) = self.binding_of(*constraint) else { continue };
             let gain_s = binding.gain(*time, Change::RAISED);
             match changes.iter_mut().find(|change| change.binding == binding) {

@@ -41,6 +41,8 @@ pub use follow::{Followed, Follower, MTimes, Replan, Shown};
 pub use grid::{CellEnd, Grid};
 pub use options::LimitOptions;
 pub use plan_executor::{Arrival, Lead, PlanExecutor};
-pub use planner::{Behind, Effort, Leg, LimitError, Piece, Pieces, Planned, Planner, Request};
+pub use planner::{
+    Behind, Effort, Leg, LimitError, ParallelPlanner, Piece, Pieces, Planned, Planner, Request,
+};
 pub use sensitivity::Sensitivity;
 pub use smooth::{Beginning, SmoothProfile, SmoothSolver};

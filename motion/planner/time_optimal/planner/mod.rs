@@ -13,6 +13,7 @@ mod fallback_scaling;
 mod guess;
 mod line;
 mod minimum_speed;
+mod parallel;
 mod pieces;
 mod refine;
 mod replan;
@@ -35,6 +36,7 @@ use crate::time_optimal::sensitivity::Sensitivity;
 use backlog::{Backlog, Part};
 use budget::Budget;
 use clarabel::solver::SolverStatus;
+pub use parallel::ParallelPlanner;
 pub use pieces::{Behind, Piece, Pieces, Request};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -134,6 +136,22 @@ pub struct Effort {
     pub replanning: u64,
     /// The most that one attempt took of it: less than twice [`Planner::MOST_WORK`].
     pub most_replanning: u64,
+}
+
+impl Effort {
+    fn add(&mut self, other: &Self) {
+        let sums = [
+            (&mut self.windows, other.windows),
+            (&mut self.failed, other.failed),
+            (&mut self.exceeded, other.exceeded),
+            (&mut self.iterations, other.iterations),
+            (&mut self.cells, other.cells),
+            (&mut self.committed, other.committed),
+        ];
+        for (sum, more) in sums {
+            *sum += more;
+        }
+    }
 }
 
 /// Plans the motion along the elements of `upstream` on a machine: an iterator of [`Planned`].

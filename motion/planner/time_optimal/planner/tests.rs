@@ -3,7 +3,7 @@
 use crate::blended_path::BlendOptions;
 use crate::time_optimal::smooth::Aim;
 use crate::time_optimal::{
-    AxisLimits, AxisPath, KinematicPath, Leg, LimitOptions, Planned, Planner,
+    AxisLimits, AxisPath, KinematicPath, Leg, LimitOptions, ParallelPlanner, Planned, Planner,
 };
 use nalgebra::Point3;
 use std::f64::consts::{PI, TAU};
@@ -338,5 +338,67 @@ fn kinks_are_passed_slowly_enough() {
         let (b, _) = pair.expect("two lines")[1].stretch.at_position(0.0);
         let step = b.sqrt() * turn.sin();
         assert!(step <= 1.0001e-3 * SMOOTH.acceleration, "{step} m/s, solvable: {solvable}");
+    }
+}
+
+/// Lines, arcs and pauses with and without stops between them: the plan is the same with any number of
+/// cores, and as fast as that of one planner.
+#[test]
+fn a_crew_of_any_size_makes_the_same_plan() {
+    let elements = || {
+        let mut elements = Vec::new();
+        let mut last = Point3::origin();
+        for number in 0..120_u32 {
+            let place = Place { line: number + 1, block: None };
+            let angle = f64::from(number * number % 17);
+            let next = last + nalgebra::Vector3::new(angle.cos(), angle.sin(), 0.0) * 0.02;
+            let (kind, shape) = match number % 12 {
+                7 => (
+                    ElementKind::Dwell { time_ns: 5_000_000 },
+                    Shape::Line { start: last, end: last },
+                ),
+                5 => {
+                    let center = last + (next - last) * 0.5;
+                    (ElementKind::Cut, Shape::Arc(Arc::new(last, next, center, PI)))
+                }
+                _ => (ElementKind::Cut, Shape::Line { start: last, end: next }),
+            };
+            last = if number % 12 == 7 { last } else { next };
+            let (feed, acceleration, deceleration) = (0.3, 20.0, 20.0);
+            let made = PathElement::new(place, kind, shape);
+            elements.push(Ok::<_, CheckError>(PathElement {
+                feed,
+                acceleration,
+                deceleration,
+                ..made
+            }));
+        }
+        elements.into_iter()
+    };
+    for jerk in [None, Some(20.0)] {
+        let limits = AxisLimits { velocity: 0.4, acceleration: 2.0, deceleration: 2.0, jerk };
+        let planner = || {
+            let checked = CheckVelocities::new(elements(), 1.0);
+            Planner::new(checked, axes(limits), LimitOptions::new(BlendOptions::new(1e-4)))
+        };
+        let of = |items: &mut dyn Iterator<Item = _>| -> Vec<(u32, f64, f64)> {
+            let parts = items.map(|item| match item {
+                Ok(Planned::Leg(leg)) => {
+                    (leg.element.place().line, leg.from, leg.stretch.duration())
+                }
+                Ok(Planned::Pause(element)) => (element.place().line, 0.0, 0.0),
+                other => panic!("{other:?}"),
+            });
+            parts.collect()
+        };
+        let alone = of(&mut planner());
+        let crews = [1, 3].map(|count| {
+            of(&mut ParallelPlanner::new(planner(), (0..count).map(|_| axes(limits))))
+        });
+        assert_eq!(crews[0], crews[1]);
+        let pauses = |parts: &[(u32, f64, f64)]| parts.iter().filter(|part| part.2 == 0.0).count();
+        assert_eq!((pauses(&alone), pauses(&crews[0])), (10, 10));
+        let sum = |parts: &[(u32, f64, f64)]| parts.iter().map(|part| part.2).sum::<f64>();
+        assert!((sum(&crews[0]) / sum(&alone) - 1.0).abs() < 1e-6, "{jerk:?}");
     }
 }
