@@ -130,8 +130,8 @@ impl<'m> Checker<'m> {
                 self.transformer.continue_at(pieces.near);
                 let (peaks, findings) = (&mut self.peaks, &mut self.findings);
                 self.untaken += pieces.sample(&piece, self.duration_ns, peaks, findings);
-                self.additional_axes(&piece);
             }
+            self.additional_axes(&piece);
         }
     }
 
@@ -164,7 +164,11 @@ impl<'m> Checker<'m> {
     /// `None` if the machine cannot take this set-point.
     pub(super) fn tool(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
         self.duration_ns = tool.time_ns;
-        self.missing_axes(tool.place, tool.extra.velocity.iter().map(|velocity| *velocity != 0.0));
+        // In the blend at the end of an element the additional axes of the next one move.
+        if self.pieces.is_none() {
+            let moves = tool.extra.velocity.iter().map(|velocity| *velocity != 0.0);
+            self.missing_axes(tool.place, moves);
+        }
         let setpoint = self.transformer.axes(tool, None);
         if setpoint.is_ok() && self.start.is_none() {
             for (names, groups) in self.transformer.stood_on_tappets() {

@@ -125,3 +125,23 @@ fn a_program_continues_where_the_one_before_ended() {
     let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();
     assert!(outcome.findings.is_empty(), "{:#?}", outcome.findings);
 }
+
+/// An additional axis that the machine does not have is named with its own line, though the axis moves in the blend at the end
+/// of the line before, within the limits of the axes.
+#[test]
+fn an_additional_axis_is_named_with_its_line() {
+    let machine = Machine::parse(Path::new("machine.toml"), GANTRY3).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("program.cnc");
+    let text = "% P\nN20 G1 X200 F50 E500 E-500\nN30 G1 X100\nN40 G1 X50\nN50 G1 X20 P3\n";
+    std::fs::write(&path, text).unwrap();
+    let program =
+        ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
+    for limits in [Limits::Programmed, Limits::Axes] {
+        let options = CheckOptions { limits, ..CheckOptions::default() };
+        let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();
+        let mut errors = outcome.findings.iter().filter(|one| one.severity == Severity::Error);
+        let error = errors.next().unwrap();
+        assert_eq!((error.rule, error.line), (Rule::UnsupportedWord, 5), "{limits:?}");
+    }
+}
