@@ -1,6 +1,7 @@
 //! Findings: faults of a program, each with its rule, severity, line, value and limit.
 
 pub use crate::rule::{Rule, Severity};
+use crate::tolerance::exceeds;
 use serde::Serialize;
 use std::ops::Range;
 use std::sync::Arc;
@@ -115,24 +116,24 @@ pub fn worst(findings: &[Finding]) -> Option<&Finding> {
 pub(crate) fn is_worse(error: &Finding, than: &Finding) -> bool {
     match (overload(error), overload(than)) {
         (None, Some(_)) => true,
-        (Some(factor), Some(other)) => factor > other,
-        (None, None) => error.rule == than.rule && error.excess() > than.excess(),
+        (Some(ratio), Some(other)) => exceeds(ratio, other),
+        (None, None) => error.rule == than.rule && exceeds(error.excess(), than.excess()),
         (Some(_), None) => false,
     }
 }
 
-/// Which multiple of its limit an overload is; none if the finding is about something else.
+/// Ratio of the value of an overload to its limit; none if the finding is about something else.
 pub(crate) fn overload(finding: &Finding) -> Option<f64> {
     match finding.rule {
         Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisVelocityStep | Rule::AxisJerk => {
-            finding.value.zip(finding.limit).map(|(value, limit)| factor(value, limit))
+            finding.value.zip(finding.limit).map(|(value, limit)| limit_ratio(value, limit))
         }
         _ => None,
     }
 }
 
-/// Which multiple of its limit a value is.
-pub(crate) fn factor(value: f64, limit: f64) -> f64 {
+/// Ratio of a value to its limit.
+pub(crate) fn limit_ratio(value: f64, limit: f64) -> f64 {
     (value / limit).abs()
 }
 

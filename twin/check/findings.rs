@@ -2,6 +2,7 @@
 
 use crate::finding::{self, Finding, Rule, Severity};
 use std::collections::{BTreeMap, VecDeque};
+use twin_machine::Axis;
 use twin_path::Place;
 use twin_physics::Part;
 
@@ -87,9 +88,9 @@ impl Findings {
         }
     }
 
-    /// Findings about an axis.
-    pub(super) fn about_axis(&mut self, index: usize) -> AboutAxis<'_> {
-        AboutAxis { findings: self, about: About::Axis(index) }
+    /// Findings about the axis with this index.
+    pub(super) fn of_axis<'f>(&'f mut self, index: usize, axis: &'f Axis) -> AxisFindings<'f> {
+        AxisFindings { findings: self, about: About::Axis(index), axis }
     }
 
     /// True if another finding of this severity would be kept.
@@ -119,19 +120,19 @@ impl Findings {
 
 /// Findings about one axis.
 #[derive(Debug)]
-pub(super) struct AboutAxis<'f> {
+pub(super) struct AxisFindings<'f> {
     findings: &'f mut Findings,
     about: About,
+    axis: &'f Axis,
 }
 
-impl AboutAxis<'_> {
+impl AxisFindings<'_> {
     pub(super) fn add(&mut self, finding: Finding) {
         self.findings.add(Some(self.about), finding);
     }
 
-    /// Counts a value above its limit if its finding would be one of those that are only counted: then true, and its message is not
-    /// needed.
-    pub(super) fn only_counts(
+    /// Counts an overload (SI) whose finding would not be kept; true if so: no message is needed.
+    pub(super) fn count_unkept(
         &mut self,
         (severity, rule): (Severity, Rule),
         place: Place,
@@ -143,8 +144,11 @@ impl AboutAxis<'_> {
             return false;
         };
         let key = (place.line, rule, Some(self.about), None, None);
-        let worst = worst_left_out.as_ref().and_then(finding::overload);
-        let is_worst = worst.is_none_or(|worst| finding::factor(value, limit) > worst);
+        let ratio = finding::limit_ratio(self.axis.from_si(value), self.axis.from_si(limit));
+        // No overload is worse than an error of another kind.
+        let is_worst = worst_left_out
+            .as_ref()
+            .is_none_or(|worst| finding::overload(worst).is_some_and(|worst| ratio > worst));
         if kept.contains_key(&key) || (severity == Severity::Error && is_worst) {
             return false;
         }
@@ -159,10 +163,49 @@ mod tests {
     use crate::finding::{Finding, Rule, Severity};
     use twin_path::Place;
 
+    const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
+
     fn found(severity: Severity, message: &str) -> Finding {
         let place = Place { line: 7, block: None };
         let finding = Finding::error(Rule::FunctionBlock, place, message.to_owned());
         Finding { severity, ..finding }
+    }
+
+    /// Overloads whose messages are not needed are kept, counted and compared as if they had one.
+    #[test]
+    fn overloads_without_messages_count_as_others() {
+        let machine =
+            twin_machine::Machine::parse(std::path::Path::new("machine.toml"), GANTRY3).unwrap();
+        let axis = &machine.axes[0];
+        let [mut with, mut without] = [Findings::default(), Findings::default()];
+        let mut random = 1_u32;
+        for number in 0..6000_u32 {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // Some lines again and again, and some values twice.
+            let place = Place { line: number / 2 + random % 3, block: None };
+            let value = 1.0 + f64::from(random >> 20) * 1e-3;
+            let warns = random % 5 == 0;
+            let rule = if warns { Rule::AxisJerk } else { Rule::AxisVelocity };
+            let severity = if warns { Severity::Warning } else { Severity::Error };
+            let made = || {
+                let finding = Finding::error(rule, place, format!("{value}"));
+                let (value, limit) = (axis.from_si(value), axis.from_si(0.3));
+                Finding { severity, ..finding.with_value(value, limit, "mm/s") }
+            };
+            with.add(Some(About::Axis(0)), made());
+            let mut found = without.of_axis(0, axis);
+            if !found.count_unkept((severity, rule), place, value, 0.3) {
+                found.add(made());
+            }
+            if number == 4000 {
+                let reach = Finding::error(Rule::Reach, place, "out of reach".to_owned());
+                with.add(None, reach.clone());
+                without.add(None, reach);
+            }
+        }
+        let (list, left_out) = with.into_list();
+        assert!(left_out > 1000);
+        assert_eq!(without.into_list(), (list, left_out));
     }
 
     /// Errors beyond the number that is kept are counted; the worst of them is kept all the same.

@@ -103,7 +103,7 @@ impl PieceCheck<'_> {
         // Velocity at the end of the piece before; where it is not known, nothing steps.
         let mut before = (open.ends[0] <= 0.0).then_some(0.0);
         for piece in pieces.iter().filter(|piece| piece.duration >= SAME_TIME) {
-            let found = examiner.examine(element, piece, &near, &floors).ok()?;
+            let found = examiner.examine(element, piece, &near, &floors, None).ok()?;
             let [start, end] = &found.ends;
             near = end.position;
             let step = before

@@ -1,7 +1,7 @@
 //! Check of the planned motion, piece by piece, instead of at its set-points.
 
 use super::edge::{EdgeDistance, EdgeSearch};
-use super::findings::{About, AboutAxis, Findings};
+use super::findings::{About, AxisFindings, Findings};
 use super::messages;
 use crate::finding::{Finding, Rule, Severity};
 use crate::limit::{MachinePath, out_of_reach};
@@ -16,7 +16,7 @@ use twin_machine::{Axis, DirectionRule, Machine};
 use twin_number::seconds;
 use twin_path::Place;
 use twin_planner::blended_path::BlendedElement;
-use twin_planner::extremes::{AxisExtremes, Examiner, Extremes, Floor, Node};
+use twin_planner::extremes::{AxisExtremes, Examiner, Extremes, Floor, LinearAxes, Node};
 use twin_planner::planned_motion::{Piece, PlannedPiece};
 use twin_planner::time_optimal::AxisPath;
 
@@ -95,6 +95,8 @@ pub(super) struct Open {
     /// Velocities at its start and where it has come to, and the largest, m/s.
     pub(super) ends: [f64; 2],
     pub(super) fastest: f64,
+    /// The axes along it, if they are linear in its length.
+    linear: Option<LinearAxes>,
     wrong: Vec<Wrong>,
 }
 
@@ -121,7 +123,7 @@ pub(super) enum Quantity {
 struct Examined<'p> {
     planned: &'p PlannedPiece,
     place: Place,
-    extremes: Extremes,
+    extremes: Box<Extremes>,
 }
 
 impl<'m> PieceCheck<'m> {
@@ -186,8 +188,9 @@ impl<'m> PieceCheck<'m> {
         }
         let floors = self.floors(peaks);
         let examiner = Examiner::new(&self.path, seconds(self.machine.cycle_ns));
-        let extremes = match examiner.examine(&planned.element, &planned.piece, &self.near, &floors)
-        {
+        let linear = self.open.as_ref().and_then(|open| open.linear.as_ref());
+        let (element, piece) = (&planned.element, &planned.piece);
+        let extremes = match examiner.examine(element, piece, &self.near, &floors, linear) {
             Ok(extremes) => extremes,
             Err(out) => {
                 findings.add(None, out_of_reach(self.machine, &planned.element, &out.error));
@@ -207,7 +210,7 @@ impl<'m> PieceCheck<'m> {
             if self.sampled.get(index).copied().unwrap_or_default() {
                 continue;
             }
-            let mut found = findings.about_axis(index);
+            let mut found = findings.of_axis(index, axis);
             self.values(&examined, index, axis, peak, &mut open.wrong, &mut found);
             let step = examined.extremes.axes.get(index).map(|extremes| extremes.step);
             let limit = self.step_limit(index);
@@ -231,7 +234,7 @@ impl<'m> PieceCheck<'m> {
         }
         let [_, end] = examined.extremes.ends;
         let (state, _) = planned.piece.at(planned.piece.duration);
-        open.ends[1] = state.velocity;
+        (open.ends[1], open.linear) = (state.velocity, examined.extremes.linear);
         open.fastest = open.fastest.max(state.velocity).max(planned.piece.at(0.0).0.velocity);
         self.open = Some(open);
         self.near = end.position;
@@ -335,9 +338,9 @@ impl<'m> PieceCheck<'m> {
     fn rest(&mut self, peaks: &mut [AxisPeak], findings: &mut Findings) {
         let Some(last) = self.last.take() else { return };
         let mut wrong = Vec::new();
-        for (index, peak) in peaks.iter_mut().enumerate() {
+        for (index, (axis, peak)) in self.machine.axes.iter().zip(peaks).enumerate() {
             if !self.sampled.get(index).copied().unwrap_or_default() {
-                let mut found = findings.about_axis(index);
+                let mut found = findings.of_axis(index, axis);
                 self.step((Some(&last), None), index, peak, &mut wrong, &mut found);
             }
         }
@@ -399,7 +402,7 @@ impl<'m> PieceCheck<'m> {
         axis: &Axis,
         peak: &mut AxisPeak,
         wrong: &mut Vec<Wrong>,
-        found: &mut AboutAxis<'_>,
+        found: &mut AxisFindings<'_>,
     ) {
         let Examined { place, extremes, .. } = examined;
         let place = *place;
@@ -417,7 +420,7 @@ impl<'m> PieceCheck<'m> {
         peak.velocity.include(velocity.value, place);
         let (error, limit) = (Severity::Error, axis.max_velocity);
         if exceeds(velocity.value, EXACT * faster * limit)
-            && !found.only_counts((error, Rule::AxisVelocity), place, velocity.value, limit)
+            && !found.count_unkept((error, Rule::AxisVelocity), place, velocity.value, limit)
         {
             let finding = messages::too_fast(axis, place, velocity.value);
             let quantity = Quantity::Velocity;
@@ -434,7 +437,7 @@ impl<'m> PieceCheck<'m> {
             let limit = axis.acceleration_limit(slows);
             peak.include_acceleration(axis, slows, value, place);
             if exceeds(value, EXACT * harder * limit)
-                && !found.only_counts((error, Rule::AxisAcceleration), place, value, limit)
+                && !found.count_unkept((error, Rule::AxisAcceleration), place, value, limit)
             {
                 let finding = messages::too_hard(axis, place, value, slows);
                 wrong.push(Wrong { axis: index, quantity, limit, finding });
@@ -448,18 +451,19 @@ impl<'m> PieceCheck<'m> {
         }
     }
 
-    /// Adds a finding about a jerk above its limit: an error where the plan is to keep it and is far above it.
+    /// Adds a finding about a jerk above its limit: an error if the plan has to keep the limit and exceeds it by more than
+    /// [`FAR_ABOVE`].
     fn add_jerky(
         &self,
         axis: &Axis,
         place: Place,
         jerk: f64,
         limit: f64,
-        found: &mut AboutAxis<'_>,
+        found: &mut AxisFindings<'_>,
     ) {
-        let far = !self.plans_as_programmed() && jerk > FAR_ABOVE * limit;
+        let far = !self.plans_as_programmed() && exceeds(jerk, FAR_ABOVE * limit);
         let severity = if far { Severity::Error } else { Severity::Warning };
-        if found.only_counts((severity, Rule::AxisJerk), place, jerk, limit) {
+        if found.count_unkept((severity, Rule::AxisJerk), place, jerk, limit) {
             return;
         }
         found.add(if far {
@@ -487,7 +491,7 @@ impl<'m> PieceCheck<'m> {
         jumps: &AxisVector,
         index: usize,
         peak: &mut AxisPeak,
-        found: &mut AboutAxis<'_>,
+        found: &mut AxisFindings<'_>,
     ) {
         let jump = jumps.get(index).copied().unwrap_or_default();
         let Some(axis) = self.machine.axes.get(index).filter(|_| jump.abs() > SAME_PLACE) else {
@@ -518,7 +522,7 @@ impl<'m> PieceCheck<'m> {
         index: usize,
         peak: &mut AxisPeak,
         wrong: &mut Vec<Wrong>,
-        found: &mut AboutAxis<'_>,
+        found: &mut AxisFindings<'_>,
     ) {
         let Some(axis) = self.machine.axes.get(index) else { return };
         let of = |node: Option<&Node>, order: usize| {
@@ -544,7 +548,7 @@ impl<'m> PieceCheck<'m> {
                 let (joined, angle) = self.joined(index, &direction);
                 let value = if value > SAME_PLACE { value.max(joined) } else { value };
                 let of = (Severity::Error, Rule::AxisVelocityStep);
-                if exceeds(value, limit) && !found.only_counts(of, place(true), value, limit) {
+                if exceeds(value, limit) && !found.count_unkept(of, place(true), value, limit) {
                     let feed = planned.piece.at(0.0).0.velocity * limit / value;
                     let finding = messages::step(axis, place(true), value, limit);
                     found.add(messages::at_corner(finding, angle, feed));
@@ -596,6 +600,7 @@ impl Open {
             near: *near,
             ends: [velocity; 2],
             fastest: velocity,
+            linear: None,
             wrong: Vec::new(),
         }
     }

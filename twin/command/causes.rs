@@ -1,6 +1,7 @@
 //! Grouping of findings by cause, for output to people.
 
 use crate::finding::{Finding, Rule, Severity};
+use crate::tolerance::exceeds;
 
 /// More lines are not listed.
 const LISTED: usize = 8;
@@ -39,7 +40,7 @@ pub(super) fn of(findings: &[Finding]) -> Vec<Cause<'_>> {
         let key = key(finding);
         let known = keys.iter().position(|known| *known == key);
         if let Some(cause) = known.and_then(|known| causes.get_mut(known)) {
-            let is_worse = finding.excess() > cause.worst.excess();
+            let is_worse = exceeds(finding.excess(), cause.worst.excess());
             let other =
                 if is_worse { std::mem::replace(&mut cause.worst, finding) } else { finding };
             cause.others.push(other.line);

@@ -145,8 +145,12 @@ impl<'m> MachinePath<'m> {
     pub(crate) fn pose(&self, element: &BlendedElement, s: f64) -> Pose {
         let point = element.at(s);
         let [direction, ..] = self.direction(element, s, &point);
-        self.trial
-            .pose(self.machine.frame.pose_to_machine(&Pose { position: point.position, direction }))
+        self.pose_of(&point, direction)
+    }
+
+    fn pose_of(&self, point: &BlendedPoint, direction: f64) -> Pose {
+        let pose = Pose { position: point.position, direction };
+        self.trial.pose(self.machine.frame.pose_to_machine(&pose))
     }
 
     /// Positions of the axes without the slaves of gears and cams.
@@ -331,7 +335,7 @@ impl AxisPath for MachinePath<'_> {
     /// That of additional axes counts; what slaves on cams do is not known.
     fn disc(&self, element: &BlendedElement, s: f64, _point: &AxisPoint) -> Option<AxisDisc> {
         let (point, path) = (element.at(s), element.disc(s));
-        let [_, turn_rate, ..] = self.direction(element, s, &point);
+        let [direction, turn_rate, ..] = self.direction(element, s, &point);
         let mut radius = within(path.radius, element);
         let turn_bend = match self.machine.direction {
             DirectionRule::Fixed(_) => 0.0,
@@ -347,7 +351,7 @@ impl AxisPath for MachinePath<'_> {
         let frame = &self.machine.frame;
         let turned = frame.machine_from_work().rotation.to_rotation_matrix();
         let disc = self.machine.kinematics.disc(&ToolDisc {
-            pose: self.pose(element, s),
+            pose: self.pose_of(&point, direction),
             rate: self.trial.vector(frame.vector_to_machine(&point.first)),
             bend: turned.matrix().abs() * path.bend,
             turn_rate: self.trial.angle(turn_rate),

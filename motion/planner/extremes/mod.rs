@@ -101,10 +101,23 @@ pub struct Node {
     pub position: AxisVector,
     /// First to third derivative by time.
     pub rates: [AxisVector; 3],
+    /// First derivative by the path length, 1 or rad/m.
+    first: AxisVector,
     /// Radius of the disc, s, and how far the axes change within it; none if nothing is known.
     disc: Option<(f64, AxisVector)>,
     /// True if the axes move as evenly as the path.
     is_even: bool,
+}
+
+/// Positions of the axes along an element where they are linear in the path length s: position + first · (s − s₀).
+#[derive(Clone, Copy, Debug)]
+pub struct LinearAxes {
+    /// s₀, m from the start of the element.
+    s: f64,
+    /// At s₀, m or rad.
+    position: AxisVector,
+    /// Derivatives by s, 1 or rad/m.
+    first: AxisVector,
 }
 
 /// The extremes of all axes along a piece.
@@ -116,6 +129,8 @@ pub struct Extremes {
     pub ends: [Node; 2],
     /// The tool is within reach all the way.
     pub is_proven: bool,
+    /// The axes along the element, if they are linear in its length.
+    pub linear: Option<LinearAxes>,
 }
 
 /// A point out of reach, and when it is wanted, s from the start of the piece.
@@ -142,6 +157,8 @@ struct Along<'e> {
     floors: &'e [Floor],
     /// Its start and end on the element, m.
     within: [f64; 2],
+    /// The axes along the element, if they are linear in its length and the piece has its extremes at its ends.
+    linear: Option<&'e LinearAxes>,
 }
 
 /// Examines pieces of plans on a machine.
@@ -158,7 +175,8 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         Self { axes, cycle }
     }
 
-    /// The extremes of `piece` of `element`, which begins near `near`, as far as they are above `floors`.
+    /// The extremes of `piece` of `element`, which begins near `near`, as far as they are above `floors`. `linear`: the
+    /// axes along this element, found in an earlier piece of it.
     ///
     /// # Errors
     /// [`OutOfReach`].
@@ -168,12 +186,21 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         piece: &Piece,
         near: &AxisVector,
         floors: &[Floor],
-    ) -> Result<Extremes, OutOfReach> {
+        linear: Option<&LinearAxes>,
+    ) -> Result<Box<Extremes>, OutOfReach> {
         let within = within(element, piece);
-        let along = Along { element, piece, floors, within };
+        let along = Along {
+            element,
+            piece,
+            floors,
+            within,
+            linear: linear.filter(|_| piece.is_monotone()),
+        };
         let nowhere = Node::resting(*near);
         let axes = [AxisExtremes::default(); MAX_AXES];
-        let mut found = Extremes { axes, ends: [nowhere; 2], is_proven: true };
+        let linear = linear.copied();
+        // On the heap: it is large.
+        let mut found = Box::new(Extremes { axes, ends: [nowhere; 2], is_proven: true, linear });
         let mut last: Option<Node> = None;
         let mut windows = vec![[0.0, piece.duration]];
         while let Some([from, to]) = windows.pop() {
@@ -210,7 +237,7 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         Ok(found)
     }
 
-    /// Takes the extremes of a part of a piece, whose ends it returns; nothing of it if it has an edge.
+    /// Adds the extremes of a part of a piece to `found` and returns its end nodes. At an edge of the reach `found` stays as it was.
     fn window(
         &self,
         along: &Along<'_>,
@@ -226,6 +253,11 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         for node in [&first, &last] {
             between.as_mut().unwrap_or(found).take(node, along.floors);
         }
+        let has_no_blend = along.element.breaks().nth(2).is_none();
+        if even && has_no_blend && found.linear.is_none() {
+            let (position, first) = (last.position, last.first);
+            found.linear = Some(LinearAxes { s: along.place(to), position, first });
+        }
         if let Some(mut between) = between {
             self.bisect(along, [first, last], &mut between)?;
             *found = between;
@@ -233,7 +265,7 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         Ok([first, last])
     }
 
-    /// Takes the extremes between two nodes.
+    /// Adds the extremes between two nodes.
     fn bisect(
         &self,
         along: &Along<'_>,
@@ -292,8 +324,11 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
     fn node(&self, along: &Along<'_>, time: f64, near: &AxisVector) -> Result<Node, Obstacle> {
         let Along { element, piece, .. } = *along;
         let (state, jerk) = piece.at(time);
-        let [from, to] = along.within;
-        let s = state.position.max(from).min(to);
+        let s = along.place(time);
+        // At the ends of an element positions come from the kinematics.
+        if let Some(linear) = along.linear.filter(|_| s > 0.0 && s < element.length()) {
+            return Ok(linear.node(time, s, [state.velocity, state.acceleration, jerk]));
+        }
         let point = self.axes.axes(element, s, near).map_err(|error| match error {
             KinematicsError::Singular(_) => Obstacle::Edge(time),
             error => Obstacle::Beyond(OutOfReach { at: time, error }),
@@ -310,21 +345,41 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
             each(&|d1, d2, d3| d1 * jerk + 3.0 * d2 * v * a + d3 * v * v * v),
         ];
         let disc = self.axes.disc(element, s, &point);
-        let is_even = disc.is_some_and(|disc| disc.is_even);
+        let is_even = disc.is_some_and(|disc| disc.is_even && disc.radius > 0.0);
         let disc = disc.map(|disc| {
             let [time, way] = piece.law.time_for(&state, jerk, disc.radius);
             // By Schwarz's lemma the axes change by no more than this part within it.
             let part = if disc.radius > 0.0 { way / disc.radius } else { 0.0 };
             (time, AxisVector::from_values(disc.change.iter().map(|change| change * part)))
         });
-        Ok(Node { time, position, rates, disc, is_even })
+        Ok(Node { time, position, rates, first, disc, is_even })
+    }
+}
+
+impl Along<'_> {
+    /// Path length on the element at `time`, m.
+    fn place(&self, time: f64) -> f64 {
+        let [from, to] = self.within;
+        self.piece.at(time).0.position.max(from).min(to)
+    }
+}
+
+impl LinearAxes {
+    /// Node at `s`; `rates`: derivatives of s by time.
+    fn node(&self, time: f64, s: f64, rates: [f64; 3]) -> Node {
+        let first = self.first;
+        let scaled = |by: f64| AxisVector::from_values(first.iter().map(|first| first * by));
+        let way = scaled(s - self.s);
+        let sums = self.position.iter().zip(way.iter()).map(|(position, way)| position + way);
+        let (position, disc) = (AxisVector::from_values(sums), None);
+        Node { time, position, rates: rates.map(scaled), first, disc, is_even: true }
     }
 }
 
 impl Node {
     fn resting(position: AxisVector) -> Self {
         let zero = AxisVector::zeros(position.len());
-        Self { time: 0.0, position, rates: [zero; 3], disc: None, is_even: false }
+        Self { time: 0.0, position, rates: [zero; 3], first: zero, disc: None, is_even: false }
     }
 }
 

@@ -42,8 +42,8 @@ fn floor(velocity: f64, acceleration: f64, jerk: f64) -> Floor {
 fn examine(path: &impl AxisPath, shape: Shape, piece: &Piece) -> (Extremes, BlendedElement) {
     let element = element(shape);
     let floors = [floor(0.1, 1.0, 100.0); 3];
-    let found = Examiner::new(path, 1e-3).examine(&element, piece, &path.home(), &floors);
-    (found.unwrap(), element)
+    let found = Examiner::new(path, 1e-3).examine(&element, piece, &path.home(), &floors, None);
+    (*found.unwrap(), element)
 }
 
 /// Samples of a piece.
@@ -259,7 +259,7 @@ fn a_point_out_of_reach_between_two_within_is_found() {
     let element = element(shape);
     let path = scara();
     let floors = [floor(0.1, 1.0, 100.0); 3];
-    let found = Examiner::new(&path, 1e-3).examine(&element, &piece, &path.home(), &floors);
+    let found = Examiner::new(&path, 1e-3).examine(&element, &piece, &path.home(), &floors, None);
     assert!(found.is_err());
 }
 
@@ -277,4 +277,93 @@ fn turns_are_counted() {
         let [low, high] = found.axes[0].position.unwrap();
         assert!((high - low - turns * TAU).abs() < 1e-6, "{kind}: {low} {high}");
     }
+}
+
+/// A machine that counts how often it is asked.
+struct Counting<P>(P, std::cell::Cell<u32>);
+
+impl<P: AxisPath> AxisPath for Counting<P> {
+    fn limits(&self) -> &[crate::time_optimal::AxisLimits] {
+        self.0.limits()
+    }
+
+    fn home(&self) -> AxisVector {
+        self.0.home()
+    }
+
+    fn axes(
+        &self,
+        element: &BlendedElement,
+        s: f64,
+        near: &AxisVector,
+    ) -> Result<crate::time_optimal::AxisPoint, twin_kinematics::KinematicsError> {
+        self.1.set(self.1.get() + 1);
+        self.0.axes(element, s, near)
+    }
+
+    fn disc(
+        &self,
+        element: &BlendedElement,
+        s: f64,
+        point: &crate::time_optimal::AxisPoint,
+    ) -> Option<twin_kinematics::AxisDisc> {
+        self.0.disc(element, s, point)
+    }
+}
+
+/// After the first piece of a line on a gantry the kinematics are asked for its end only; extremes stay the same. A piece that slows
+/// down, stops and goes back looks between its ends. On an arc and on a SCARA nothing is linear.
+#[test]
+fn a_line_on_a_gantry_is_known_after_its_first_piece() {
+    let path = Counting(axes(Gantry3::new([0.0; 3]).unwrap()), std::cell::Cell::default());
+    let element = element(line([0.1, 0.2], [0.4, -0.1], 0.1));
+    let (length, floors) = (element.length(), [floor(0.1, 1.0, 100.0); 3]);
+    let ramp = |from: f64, velocity: f64, acceleration: f64, duration: f64| {
+        let law = Law::Poly { velocity, acceleration, jerk: 0.0 };
+        Piece { from, duration, law }
+    };
+    let examiner = Examiner::new(&path, 1e-3);
+    let examine = |piece: &Piece, linear| {
+        path.1.set(0);
+        let found = examiner.examine(&element, piece, &path.home(), &floors, linear).unwrap();
+        (found, path.1.get())
+    };
+    let (first, calls) = examine(&ramp(0.0, 0.0, 1.0, 0.2), None);
+    assert_eq!(calls, 2);
+    let linear = first.linear.as_ref();
+    let inside = ramp(0.02, 0.2, 0.0, 0.5);
+    let last = ramp(length - 0.02, 0.2, -1.0, 0.2);
+    let back = Piece {
+        from: 0.1,
+        duration: 0.2,
+        law: Law::Poly { velocity: 0.1, acceleration: -1.0, jerk: 20.0 },
+    };
+    for (piece, expected) in [(inside, 0), (last, 1), (back, 0)] {
+        let (found, calls) = examine(&piece, linear);
+        let (alone, _) = examine(&piece, None);
+        assert!(calls == expected || !piece.is_monotone(), "{calls} calls, {expected} expected");
+        assert!(found.linear.is_some());
+        for (one, other) in found.axes.iter().zip(&alone.axes) {
+            for (one, other) in [
+                (one.velocity, other.velocity),
+                (one.acceleration, other.acceleration),
+                (one.jerk, other.jerk),
+            ] {
+                assert!((one.value - other.value).abs() <= 1e-12 * other.value);
+            }
+        }
+        for (one, other) in found.ends.iter().zip(&alone.ends) {
+            let apart = one.position.iter().zip(other.position.iter());
+            assert!(apart.map(|(one, other)| (one - other).abs()).all(|apart| apart < 1e-12));
+        }
+    }
+    let shape = line([0.3, -0.1], [0.3, 0.1], 0.0);
+    assert!(even_motion(&scara(), shape).linear.is_none());
+    let shape = arc([0.2, 0.0], 0.1, 0.0, 1.0, 0.0);
+    assert!(even_motion(&axes(Gantry3::new([0.0; 3]).unwrap()), shape).linear.is_none());
+}
+
+fn even_motion(path: &impl AxisPath, shape: Shape) -> Extremes {
+    let piece = piece(0, shape.length(), 0.1);
+    examine(path, shape, &piece).0
 }
