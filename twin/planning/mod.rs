@@ -1,6 +1,7 @@
 //! Set-points of a program from any planner.
 //!
-//! A check and a run take the same set-points, so the run executes exactly what was checked.
+//! As programmed, a check and a run take the same set-points. Within the limits of the axes both plan the same path by the same
+//! limits; a run, which an override may change, in shorter parts.
 
 mod axis_limited;
 mod background_planner;

@@ -15,6 +15,9 @@ use std::sync::Arc;
 use twin_path::prepare::CheckedElement;
 use twin_path::{ElementKind, ExtraPoint, PathPoint};
 
+/// On curves every eighth set-point is shown where not all are.
+const SPARSE: i64 = 8;
+
 /// A set-point, and where on the course it is.
 #[derive(Clone, Debug)]
 pub struct Followed {
@@ -100,7 +103,8 @@ pub enum Shown {
     /// One per cycle.
     #[default]
     Cycles,
-    /// The first of every leg, and all of elements on which something is switched.
+    /// The first of every leg, of legs where the axes do not move evenly every eighth, and all of elements on which
+    /// something is switched.
     Legs,
     /// As with legs, but only the first of an element where all axes move evenly.
     Elements,
@@ -384,7 +388,9 @@ where
                 },
                 Some(Current::Along { leg, start, end, shown }) => {
                     if self.is_left_out(&leg, shown) {
-                        self.now_ns = end.first_cycle(self.now_ns, self.cycle_ns);
+                        let last_ns = end.first_cycle(self.now_ns, self.cycle_ns);
+                        let next_ns = self.now_ns.saturating_add((SPARSE - 1) * self.cycle_ns);
+                        self.now_ns = if leg.is_even { last_ns } else { last_ns.min(next_ns) };
                     }
                     if end.reached_at(self.now_ns) {
                         self.reached = end;

@@ -83,7 +83,7 @@ pub(super) struct Arguments {
 const AFTER_HELP: &str = "\
 Examples:
   twin check examples/plate.cnc --machine machines/scara2.toml
-  twin check examples/*.cnc --machine machines/scara2.toml --limits axes --format json
+  twin check examples/*.cnc --machine machines/gantry3.toml --format json
   twin check examples/vice.ngc --machine machines/gantry3_vice.toml --physics
   twin check examples/vice.ngc --machine machines/gantry3_vice.toml --clearance near.svg --clearance near.csv";
 

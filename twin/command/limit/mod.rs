@@ -55,8 +55,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     feasible: Option<PathBuf>,
 
-    /// Write a table with a row per line of the program: what it takes and loses, the largest feed it allows, and what holds
-    /// it back most
+    /// Write a table with a row per limit that holds back a line: the time it takes and loses there, and the largest feed of
+    /// the line
     #[arg(long, value_name = "FILE.csv")]
     lines: Option<PathBuf>,
 
