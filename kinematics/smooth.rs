@@ -43,6 +43,13 @@ pub trait SmoothMap<const N: usize> {
         [self.rate(v), self.rate(a) + self.second(v)]
     }
 
+    /// J·v, J·a + J̇·v and J·j + 2·J̇·a + J̈·v: the jerk of the outputs, too.
+    #[inline]
+    fn along_jerk(&self, [v, a, j]: &[Values<N>; 3]) -> [Values<N>; 3] {
+        let [velocity, acceleration] = self.along(v, a);
+        [velocity, acceleration, self.rate(j) + self.third(v, a)]
+    }
+
     /// J.
     fn matrix(&self) -> SMatrix<f64, N, N> {
         SMatrix::from_columns(&unit_vectors().map(|unit| self.rate(&unit)))

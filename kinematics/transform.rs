@@ -194,14 +194,6 @@ fn against<const N: usize>(
     Some([velocity, acceleration])
 }
 
-fn along_jerk<const N: usize>(
-    map: &impl SmoothMap<N>,
-    [v, a, j]: &[Values<N>; 3],
-) -> [Values<N>; 3] {
-    let [velocity, acceleration] = map.along(v, a);
-    [velocity, acceleration, map.rate(j) + map.third(v, a)]
-}
-
 fn against_jerk<const N: usize>(
     map: &impl SmoothMap<N>,
     [v, a, j]: &[Values<N>; 3],
@@ -227,7 +219,7 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Serial<M> {
     }
 
     fn lead_jerk(&self, axes: &[Values<N>; 3]) -> Option<[Values<N>; 3]> {
-        Some(along_jerk(&self.0, axes))
+        Some(self.0.along_jerk(axes))
     }
 
     fn jacobian(&self) -> Option<SMatrix<f64, N, N>> {
@@ -249,7 +241,7 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
             let rest = tool.iter().flatten().all(|value| *value == 0.0);
             return rest.then(|| [SVector::zeros(); 3]);
         }
-        Some(along_jerk(&self.0, tool))
+        Some(self.0.along_jerk(tool))
     }
 
     #[inline]

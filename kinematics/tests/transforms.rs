@@ -213,3 +213,39 @@ fn calibrated_tripods_without_deviations_are_ideal() {
         tools_agree(&calibrated, &calibrated.to_tool(&axes).unwrap(), &tool)
     });
 }
+
+/// Fast steps with three equations and Newton's method with six find the same, or that a tool is out of reach.
+#[test]
+fn calibrated_tripods_are_as_by_newton() {
+    let agree = |machine: &crate::tripod::CalibratedTripod, tool: SVector<f64, 3>| {
+        let given = some_derivatives(tool[0], machine.characteristic_length());
+        let (found, slow) = (machine.at_tool(&tool, &tool), machine.by_newton(&tool, &given));
+        let ((position, differential), [expected, slow @ ..]) = match (found, slow) {
+            (Ok(found), Ok(slow)) => (found, slow),
+            (found, slow) => {
+                prop_assert_eq!(found.err(), slow.err());
+                return Ok(());
+            }
+        };
+        axes_agree(machine, &position, &expected)?;
+        // Orders are made of those before them.
+        let mut size = 0.0_f64;
+        for (found, slow) in differential.follow_jerk(&given).unwrap().iter().zip(slow) {
+            size = size.max(slow.norm());
+            prop_assert!((found - slow).norm() <= 1e-9 * size, "{found} {slow} in {machine:?}");
+        }
+        Ok(())
+    };
+    for reach in [Reach::Inside, Reach::Close] {
+        check(machines::calibrated(reach), |machine, axes| {
+            let (tool, size) = (machine.to_tool(&axes).unwrap(), machine.characteristic_length());
+            // Through the place to where the rods end, and beyond.
+            let outwards = nalgebra::Vector3::new(1.0, 0.3, 0.0).normalize() * size;
+            for way in [0.0, 1e-7, 1e-5, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0] {
+                agree(machine, tool + outwards * way)?;
+                agree(machine, tool - outwards * way)?;
+            }
+            Ok(())
+        });
+    }
+}
