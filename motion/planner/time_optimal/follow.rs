@@ -103,10 +103,9 @@ pub enum Shown {
     /// One per cycle.
     #[default]
     Cycles,
-    /// The first of every leg, of legs where the axes do not move evenly every eighth, and all of elements on which
-    /// something is switched.
+    /// Of legs where all axes move evenly the first, unless something is switched on their element.
     Legs,
-    /// As with legs, but only the first of an element where all axes move evenly.
+    /// As with legs, but only the first of an element where all axes move evenly, and every eighth of other legs.
     Elements,
 }
 
@@ -238,7 +237,7 @@ where
         };
         let enough = match self.shown {
             Shown::Cycles => false,
-            Shown::Legs => shown,
+            Shown::Legs => shown && leg.is_even,
             Shown::Elements => shown || sampled(),
         };
         enough && leg.element.element().switches().is_empty()
