@@ -184,7 +184,7 @@ mod tests {
             // Some lines again and again, and some values twice.
             let place = Place { line: number / 2 + random % 3, block: None };
             let value = 1.0 + f64::from(random >> 20) * 1e-3;
-            let warns = random % 5 == 0;
+            let warns = random.is_multiple_of(5);
             let rule = if warns { Rule::AxisJerk } else { Rule::AxisVelocity };
             let severity = if warns { Severity::Warning } else { Severity::Error };
             let made = || {

@@ -412,9 +412,9 @@ impl<'m> PieceCheck<'m> {
         if let Some([low, high]) = position {
             peak.include_position([low, high]);
             for position in [low, high] {
-                beyond_position(axis, place, position)
-                    .into_iter()
-                    .for_each(|beyond| found.add(beyond));
+                if let Some(beyond) = beyond_position(axis, place, position) {
+                    found.add(beyond);
+                }
             }
         }
         peak.velocity.include(velocity.value, place);

@@ -221,7 +221,6 @@ impl Plan<'_> {
             counted.push_back(Counted::of(self.axes, next));
         }
         let slot = counted.get_mut(cycle)?;
-        #[expect(clippy::float_cmp, reason = "the same numbers or others")]
         if slot.si != si {
             *slot = Counted::of(self.axes, si);
         }

@@ -259,7 +259,7 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
             found.linear = Some(LinearAxes { s: along.place(to), position, first });
         }
         if let Some(mut between) = between {
-            self.bisect(along, [first, last], &mut between)?;
+            self.bisect(along, &[first, last], &mut between)?;
             *found = between;
         }
         Ok([first, last])
@@ -269,11 +269,11 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
     fn bisect(
         &self,
         along: &Along<'_>,
-        ends: [Node; 2],
+        ends: &[Node; 2],
         found: &mut Extremes,
     ) -> Result<(), Obstacle> {
         let smallest = 1e-3 * self.cycle;
-        let mut left = vec![ends];
+        let mut left = vec![*ends];
         while let Some([from, to]) = left.pop() {
             let width = to.time - from.time;
             let middle = from.time.midpoint(to.time);

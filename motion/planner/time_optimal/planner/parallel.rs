@@ -160,9 +160,11 @@ where
             self.near = last.end.position;
         }
         (self.cells, self.after, self.beginning) = (cells, after, Beginning::Rest);
-        while !self.over
-            && !(self.cells.is_empty() && self.after.is_none() && self.returned.is_empty())
-        {
+        loop {
+            let has_none = self.cells.is_empty() && self.after.is_none();
+            if self.over || (has_none && self.returned.is_empty()) {
+                break;
+            }
             self.plan();
         }
         self.over = false;
