@@ -176,7 +176,7 @@ impl DrivesInLoop {
     }
 }
 
-/// What a thread that has ended badly left there is as good as nothing: it is compared before it is used.
+/// A poisoned lock does no harm: entries are compared before they are used.
 fn held(counted: &Mutex<VecDeque<Counted>>) -> MutexGuard<'_, VecDeque<Counted>> {
     counted.lock().unwrap_or_else(PoisonError::into_inner)
 }

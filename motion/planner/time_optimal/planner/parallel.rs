@@ -1,8 +1,7 @@
 //! Planning of the parts between stops on several cores.
 //!
-//! Where the path stops, the plan of what follows depends on what was before only by the turns of rotary axes, and these are
-//! known from the samples of the path. So the path is sampled in its order, and planned part by part by a crew. The plan is the
-//! same with any number of cores.
+//! The plan behind a stop depends on the motion before it only through the turns of rotary axes, which the samples of the path
+//! give. So the path is sampled in its order, and workers plan its parts. The plan is the same with any number of cores.
 
 use super::{After, Effort, LimitError, Planned, Planner};
 use crate::time_optimal::axis_path::AxisPath;
@@ -18,17 +17,17 @@ use twin_path::prepare::CheckedElement;
 
 /// Cells that are sampled before they are planned.
 const BATCH: usize = 1024;
-/// A part with more cells is planned without the crew, window by window: memory stays small.
+/// A part with more cells is planned without the workers, window by window, which bounds the memory.
 const LONGEST: usize = 1024;
 
 type Item<E> = Result<Planned, LimitError<E>>;
-type Member<E, A> = Planner<Empty<Result<CheckedElement, E>>, E, A>;
+type Worker<E, A> = Planner<Empty<Result<CheckedElement, E>>, E, A>;
 
 /// A part of the path between two stops.
 #[derive(Debug)]
 struct Part<E> {
     cells: Vec<Cell>,
-    after: Option<After<E>>,
+    after: After<E>,
 }
 
 /// The plan of a part.
@@ -44,7 +43,7 @@ struct Done<E> {
 #[derive(Debug)]
 pub struct ParallelPlanner<I, E, A> {
     planner: Planner<I, E, A>,
-    crew: Vec<Member<E, A>>,
+    workers: Vec<Worker<E, A>>,
 }
 
 impl<I, E, A> ParallelPlanner<I, E, A>
@@ -54,12 +53,12 @@ where
 {
     /// Plans as `planner` does, on one core for each of `machines`: copies of its machine.
     pub fn new(planner: Planner<I, E, A>, machines: impl IntoIterator<Item = A>) -> Self {
-        let member = |axes| Planner::new(std::iter::empty(), axes, planner.options);
-        let crew = machines.into_iter().map(member).collect();
-        Self { planner, crew }
+        let worker = |axes| Planner::new(std::iter::empty(), axes, planner.options);
+        let workers = machines.into_iter().map(worker).collect();
+        Self { planner, workers }
     }
 
-    /// The planner, with the effort and costs of the whole crew.
+    /// The planner, with the effort and costs of all workers.
     pub fn planner(&self) -> &Planner<I, E, A> {
         &self.planner
     }
@@ -73,9 +72,9 @@ where
 {
     /// Plans what comes next.
     fn plan(&mut self) {
-        let Self { planner, crew } = self;
+        let Self { planner, workers } = self;
         let rests = planner.beginning == Beginning::Rest && planner.along_line.is_none();
-        if crew.is_empty() || planner.changed || !rests {
+        if workers.is_empty() || planner.changed || !rests {
             planner.plan();
             return;
         }
@@ -84,11 +83,11 @@ where
             planner.plan();
             return;
         }
-        planner.over = parts.last().is_some_and(|part| matches!(part.after, Some(After::End)));
-        for member in &mut *crew {
-            member.sampler.feeds = planner.sampler.feeds.clone();
+        planner.over = parts.last().is_some_and(|part| matches!(part.after, After::End));
+        for worker in &mut *workers {
+            worker.sampler.feeds = planner.sampler.feeds.clone();
         }
-        for done in plan_all(crew, parts) {
+        for done in plan_all(workers, parts) {
             planner.ready.extend(done.items);
             planner.effort.add(&done.effort);
             for (constraint, time) in done.costs {
@@ -98,29 +97,29 @@ where
     }
 }
 
-/// The plans of `parts` in their order, by all of the crew.
-fn plan_all<E, A>(crew: &mut [Member<E, A>], parts: Vec<Part<E>>) -> Vec<Done<E>>
+/// The plans of `parts` in their order, by all of the workers.
+fn plan_all<E, A>(workers: &mut [Worker<E, A>], parts: Vec<Part<E>>) -> Vec<Done<E>>
 where
     E: Send,
     A: AxisPath + Send,
 {
-    let others = crew.len().min(parts.len()).saturating_sub(1);
+    let others = workers.len().min(parts.len()).saturating_sub(1);
     let done: Vec<_> = parts.iter().map(|_| Mutex::new(None)).collect();
     let left = Mutex::new(parts.into_iter().zip(&done));
-    let work = |member: &mut Member<E, A>| {
+    let work = |worker: &mut Worker<E, A>| {
         loop {
             let next = left.lock().unwrap_or_else(PoisonError::into_inner).next();
             let Some((part, slot)) = next else { break };
-            let plan = member.plan_part(part);
+            let plan = worker.plan_part(part);
             *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(plan);
         }
     };
     thread::scope(|scope| {
-        let Some((first, crew)) = crew.split_first_mut() else { return };
-        for member in crew.iter_mut().take(others) {
+        let Some((first, workers)) = workers.split_first_mut() else { return };
+        for worker in workers.iter_mut().take(others) {
             let thread = thread::Builder::new().name("part planner".to_owned());
-            // Where there are no more threads the others do it.
-            drop(thread.spawn_scoped(scope, || work(member)));
+            // If the system refuses a thread, the others plan its parts.
+            drop(thread.spawn_scoped(scope, || work(worker)));
         }
         work(first);
     });
@@ -134,7 +133,7 @@ where
     I: Iterator<Item = Result<CheckedElement, E>>,
     A: AxisPath,
 {
-    /// Samples the parts up to the next stops. None if the next stop is too far away.
+    /// Samples the parts up to the next stops; empty if the next stop is too far away.
     fn take_parts(&mut self) -> Vec<Part<E>> {
         let mut parts = Vec::new();
         let mut known = 0;
@@ -146,7 +145,7 @@ where
             let cells = std::mem::take(&mut self.cells);
             known += cells.len().max(1);
             let ends = matches!(after, After::End);
-            parts.push(Part { cells, after: Some(after) });
+            parts.push(Part { cells, after });
             if ends {
                 break;
             }
@@ -159,7 +158,7 @@ where
         if let Some(last) = cells.last() {
             self.near = last.end.position;
         }
-        (self.cells, self.after, self.beginning) = (cells, after, Beginning::Rest);
+        (self.cells, self.after, self.beginning) = (cells, Some(after), Beginning::Rest);
         loop {
             let has_none = self.cells.is_empty() && self.after.is_none();
             if self.over || (has_none && self.returned.is_empty()) {
@@ -196,7 +195,7 @@ where
     A: AxisPath,
 {
     fn set_override(&mut self, factor: f64) {
-        self.crew.clear();
+        self.workers.clear();
         self.planner.set_override(factor);
     }
 

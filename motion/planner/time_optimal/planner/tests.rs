@@ -344,7 +344,7 @@ fn kinks_are_passed_slowly_enough() {
 /// Lines, arcs and pauses with and without stops between them: the plan is the same with any number of
 /// cores, and as fast as that of one planner.
 #[test]
-fn a_crew_of_any_size_makes_the_same_plan() {
+fn any_number_of_workers_makes_the_same_plan() {
     let elements = || {
         let mut elements = Vec::new();
         let mut last = Point3::origin();
@@ -392,13 +392,13 @@ fn a_crew_of_any_size_makes_the_same_plan() {
             parts.collect()
         };
         let alone = of(&mut planner());
-        let crews = [1, 3].map(|count| {
+        let plans = [1, 3].map(|count| {
             of(&mut ParallelPlanner::new(planner(), (0..count).map(|_| axes(limits))))
         });
-        assert_eq!(crews[0], crews[1]);
+        assert_eq!(plans[0], plans[1]);
         let pauses = |parts: &[(u32, f64, f64)]| parts.iter().filter(|part| part.2 == 0.0).count();
-        assert_eq!((pauses(&alone), pauses(&crews[0])), (10, 10));
+        assert_eq!((pauses(&alone), pauses(&plans[0])), (10, 10));
         let sum = |parts: &[(u32, f64, f64)]| parts.iter().map(|part| part.2).sum::<f64>();
-        assert!((sum(&crews[0]) / sum(&alone) - 1.0).abs() < 1e-6, "{jerk:?}");
+        assert!((sum(&plans[0]) / sum(&alone) - 1.0).abs() < 1e-6, "{jerk:?}");
     }
 }
