@@ -122,3 +122,20 @@ fn shipped_programs_are_fit() {
         .ended(0, "")
         .says("fit: 0 errors, 0 warnings");
 }
+
+/// The largest feed of a line that passes the inner edge of a SCARA's reach is that of its worst set-point, whether a table of all
+/// of them is written or not.
+#[test]
+fn a_table_does_not_change_what_limit_finds() {
+    let desk = Desk::new();
+    let largest = |options: &str| {
+        let program = "examples/tutorial/bracket.cnc -m machines/scara2.toml";
+        let done = desk.twin(&format!("limit {program} --format json {options}"));
+        let report = done.ended(1, "").object();
+        let lines = report["slowest_lines"].as_array().expect("a list").clone();
+        let line = lines.iter().find(|line| line["line"] == 10).expect("it loses time");
+        number(&line["largest_feed_mm_per_s"])
+    };
+    let (alone, with_table) = (largest(""), largest("-o bracket.csv"));
+    assert!((alone - with_table).abs() < 1e-9, "{alone} {with_table}");
+}
