@@ -1,7 +1,8 @@
 //! Banded interior-point method for quadratic programs whose rows have three neighbouring variables.
 //!
 //! Mehrotra's predictor and corrector for min ½·xᵀ·P·x + qᵀ·x with A·x + s = r and s ≥ 0. With the multipliers z of the rows,
-//! a step solves (P + Aᵀ·(z/s)·A)·Δx = right side, a matrix of five diagonals. Its cost grows linearly with the number of rows.
+//! a step solves (P + Aᵀ·(z/s)·A)·Δx = right side, a matrix of five diagonals. Its cost grows linearly with the number of rows,
+//! which are gone through three times in a step.
 //! If it fails, Clarabel solves the program ([`super::convex::Program::solve`]).
 
 #![expect(clippy::indexing_slicing, reason = "bands and rows are as long as they are made")]
@@ -12,25 +13,13 @@ const STEP: f64 = 0.995;
 const FIRST_DISTANCE: f64 = 0.05;
 const FIRST_PRODUCT: f64 = 2e-3;
 
-/// A row: the first of its three neighbours, their coefficients, and its right side.
+/// A row: the first of its three neighbours, their coefficients, and its right side. Coefficients of variables that the program
+/// does not have are 0.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BandRow {
     pub(super) first: usize,
     pub(super) factors: [f64; 3],
     pub(super) right: f64,
-}
-
-impl BandRow {
-    fn times(&self, x: &[f64]) -> f64 {
-        let [a, b, c] = self.factors;
-        a * x[self.first] + b * x[self.first + 1] + c * x[self.first + 2]
-    }
-
-    fn add(&self, factor: f64, to: &mut [f64]) {
-        for (slot, value) in to[self.first..].iter_mut().zip(self.factors) {
-            *slot += factor * value;
-        }
-    }
 }
 
 /// A program: P's diagonal and what is right of it, q, and the rows. Vectors of variables have two more entries, which are 0, so
@@ -51,61 +40,32 @@ pub(super) struct BandAnswer {
     pub(super) iterations: u32,
 }
 
-/// State of a row: distance from its bound, multiplier, residual, and the changes of the first two.
-#[derive(Clone, Copy, Debug, Default)]
-struct RowState {
-    s: f64,
-    z: f64,
-    wrong: f64,
-    ds: f64,
-    dz: f64,
-}
-
-impl RowState {
-    /// Takes the changes that bring s·z down by `product`, where A·Δx is `change`.
-    fn turn(&mut self, product: f64, change: f64) {
-        self.ds = -self.wrong - change;
-        self.dz = (-product - self.z * self.ds) / self.s;
-    }
-
-    /// The largest part of the changes that keeps both positive.
-    fn room(&self) -> f64 {
-        let until =
-            |value: f64, change: f64| if change < 0.0 { -value / change } else { f64::INFINITY };
-        until(self.s, self.ds).min(until(self.z, self.dz))
-    }
-}
-
 impl BandProgram<'_> {
     /// Solves it to `tolerance`: rows absolutely, gradient and gap as parts of the cost's own size. None if that takes more than
     /// `most` steps or is impossible.
     pub(super) fn solve(&self, tolerance: f64, most: u32) -> Option<BandAnswer> {
-        let (count, rows) = (self.diagonal.len(), self.rows);
+        let count = self.diagonal.len();
         let size = self.linear.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-        if rows.is_empty() || !(size > 0.0 && size.is_finite()) {
+        if self.rows.is_empty() || !(size > 0.0 && size.is_finite()) {
             return None;
         }
         // The variables are of the order of 1.
         let mut x = vec![1.0; count + 2];
         x[count..].fill(0.0);
-        let begin = |row: &BandRow| {
-            let s = (row.right - row.times(&x)).max(FIRST_DISTANCE);
-            RowState { s, z: size * FIRST_PRODUCT / s, ..RowState::default() }
-        };
-        let mut states: Vec<RowState> = rows.iter().map(begin).collect();
-        let mut gradient = vec![0.0; count + 2];
-        let mut change = vec![0.0; count + 2];
+        let mut rows = Rows::new(self.rows, count, size);
+        let [mut gradient, mut change, mut bent, mut central] =
+            [(); 4].map(|()| vec![0.0; count + 2]);
         let mut band = Band::default();
+        let mut part = 0.0;
         #[expect(clippy::cast_precision_loss, reason = "a number of rows")]
-        let number = rows.len() as f64;
+        let number = self.rows.len() as f64;
         for iterations in 0..=most {
-            self.put_gradient(&x, &states, &mut gradient);
-            let (mut product, mut wrong) = (0.0, 0.0_f64);
-            for (row, state) in rows.iter().zip(&mut states) {
-                state.wrong = row.times(&x) + state.s - row.right;
-                wrong = wrong.max(state.wrong.abs());
-                product += state.s * state.z;
+            band.put(self);
+            self.put_gradient(&x, &mut gradient);
+            for (change, gradient) in change.iter_mut().zip(&gradient) {
+                *change = -gradient;
             }
+            let (product, wrong) = rows.go(part, &x, &mut gradient, &mut change, &mut band);
             let steep = gradient.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
             if !(product + wrong + steep).is_finite() {
                 return None;
@@ -115,31 +75,24 @@ impl BandProgram<'_> {
                 && product <= tolerance * self.cost(&x).abs().max(size)
             {
                 x.truncate(count);
-                let duals = states.iter().map(|state| state.z).collect();
-                return Some(BandAnswer { x, duals, iterations });
+                return Some(BandAnswer { x, duals: rows.multipliers(), iterations });
             }
-            band.put(self, &states);
             if !band.factor() {
                 return None;
             }
-            // Predictor, then corrector.
-            self.step(&band, &gradient, &mut states, &mut change, |state| state.s * state.z);
-            let room = states.iter().fold(1.0, |least: f64, state| least.min(state.room()));
-            let after =
-                |state: &RowState| (state.s + room * state.ds) * (state.z + room * state.dz);
-            let left = states.iter().map(after).sum::<f64>() / product;
+            band.solve(&mut change);
+            let left = rows.predict(&change, &mut bent, &mut central) / product;
             let aim = left.powi(3) * product / number;
-            self.step(&band, &gradient, &mut states, &mut change, |state| {
-                state.s * state.z + state.ds * state.dz - aim
-            });
-            let room = states.iter().fold(1.0 / STEP, |least: f64, state| least.min(state.room()));
-            let part = STEP * room;
+            for (bent, central) in bent.iter_mut().zip(&central) {
+                *bent -= aim * central;
+            }
+            band.solve(&mut bent);
+            for (change, bent) in change.iter_mut().zip(&bent) {
+                *change += bent;
+            }
+            part = STEP * rows.correct(&change, aim);
             for (x, change) in x.iter_mut().zip(&change) {
                 *x += part * change;
-            }
-            for state in &mut states {
-                state.s += part * state.ds;
-                state.z += part * state.dz;
             }
         }
         None
@@ -152,8 +105,8 @@ impl BandProgram<'_> {
         own.map(|((p, q), x)| (0.5 * p * x + q) * x).sum::<f64>() + beside.sum::<f64>()
     }
 
-    /// P·x + q + Aᵀ·z.
-    fn put_gradient(&self, x: &[f64], states: &[RowState], gradient: &mut [f64]) {
+    /// P·x + q.
+    fn put_gradient(&self, x: &[f64], gradient: &mut [f64]) {
         gradient.fill(0.0);
         for (index, ((p, beside), q)) in
             self.diagonal.iter().zip(self.beside).zip(self.linear).enumerate()
@@ -161,35 +114,176 @@ impl BandProgram<'_> {
             gradient[index] += p * x[index] + beside * x[index + 1] + q;
             gradient[index + 1] += beside * x[index];
         }
-        for (row, state) in self.rows.iter().zip(states) {
-            row.add(state.z, gradient);
-        }
         gradient[self.diagonal.len()..].fill(0.0);
-    }
-
-    /// Solves for the changes that make the gradient 0, the rows right and s·z less by `product`.
-    fn step(
-        &self,
-        band: &Band,
-        gradient: &[f64],
-        states: &mut [RowState],
-        change: &mut [f64],
-        product: impl Fn(&RowState) -> f64,
-    ) {
-        for (slot, gradient) in change.iter_mut().zip(gradient) {
-            *slot = -gradient;
-        }
-        for (row, state) in self.rows.iter().zip(states.iter()) {
-            row.add((product(state) - state.z * state.wrong) / state.s, change);
-        }
-        band.solve(change);
-        for (row, state) in self.rows.iter().zip(states) {
-            state.turn(product(state), row.times(change));
-        }
     }
 }
 
-/// A symmetric matrix with two diagonals beside the main one, or its factors L·D·Lᵀ: D, and L's diagonals below.
+/// The rows in the order of their first variables.
+#[derive(Debug)]
+struct Rows {
+    rows: Vec<Row>,
+    /// Where those of each variable begin, and where the last ones end.
+    begins: Vec<usize>,
+    /// Where each of the program's rows is.
+    places: Vec<usize>,
+}
+
+/// A row on the way to the solution.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    factors: [f64; 3],
+    right: f64,
+    /// Distance from the bound, multiplier, and their changes.
+    s: f64,
+    z: f64,
+    ds: f64,
+    dz: f64,
+    /// A·x + s − r, 1/s, and Δs·Δz/s of the predictor.
+    wrong: f64,
+    inverse: f64,
+    bend: f64,
+}
+
+impl Row {
+    #[inline]
+    fn times(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let [a, b, c] = self.factors;
+        a * x + b * y + c * z
+    }
+}
+
+impl Rows {
+    /// About variables that are 1, with costs of this `size`.
+    fn new(given: &[BandRow], variables: usize, size: f64) -> Self {
+        let mut begins = vec![0; variables + 1];
+        for row in given {
+            begins[row.first + 1] += 1;
+        }
+        for index in 0..variables {
+            begins[index + 1] += begins[index];
+        }
+        let mut next = begins.clone();
+        let mut rows = vec![Row::default(); given.len()];
+        let place = |BandRow { first, factors, right }: &BandRow| {
+            let s = (right - factors.iter().sum::<f64>()).max(FIRST_DISTANCE);
+            let z = size * FIRST_PRODUCT / s;
+            let place = next[*first];
+            next[*first] += 1;
+            rows[place] = Row { factors: *factors, right: *right, s, z, ..Row::default() };
+            place
+        };
+        let places = given.iter().map(place).collect();
+        Self { rows, begins, places }
+    }
+
+    /// The rows of each variable.
+    fn groups(&mut self) -> impl Iterator<Item = &mut [Row]> {
+        let mut left = self.rows.as_mut_slice();
+        self.begins.windows(2).map(move |ends| {
+            let group = left.split_off_mut(..ends[1] - ends[0]);
+            group.unwrap_or_default()
+        })
+    }
+
+    /// Takes `part` of the changes, which leads to `x`, and adds Aᵀ·z to `gradient`, −Aᵀ·(z/s·wrong) to `change` and Aᵀ·(z/s)·A
+    /// to `band`. The sum of the products s·z, and by how much the worst row is wrong.
+    fn go(
+        &mut self,
+        part: f64,
+        x: &[f64],
+        gradient: &mut [f64],
+        change: &mut [f64],
+        band: &mut Band,
+    ) -> (f64, f64) {
+        let (mut product, mut most) = (0.0, 0.0_f64);
+        for (index, group) in self.groups().enumerate() {
+            let x = three(x, index);
+            let [mut multipliers, mut wrongs, mut own, mut beside] = [[0.0; 3]; 4];
+            for row in group {
+                row.s += part * row.ds;
+                row.z += part * row.dz;
+                row.wrong = row.times(x) + row.s - row.right;
+                row.inverse = 1.0 / row.s;
+                product += row.s * row.z;
+                most = most.max(row.wrong.abs());
+                let weight = row.z * row.inverse;
+                let [a, b, c] = row.factors;
+                add(&mut multipliers, row.z, row.factors);
+                add(&mut wrongs, -weight * row.wrong, row.factors);
+                add(&mut own, weight, [a * a, b * b, c * c]);
+                add(&mut beside, weight, [a * b, b * c, a * c]);
+            }
+            add(&mut gradient[index..], 1.0, multipliers);
+            add(&mut change[index..], 1.0, wrongs);
+            add(&mut band.own[index..], 1.0, own);
+            add(&mut band.next[index..], 1.0, [beside[0], beside[1]]);
+            band.second[index] += beside[2];
+        }
+        (product, most)
+    }
+
+    /// With the predictor's `change` of the variables: puts Aᵀ·(Δs·Δz/s) into `bent` and Aᵀ·(1/s) into `central`. The sum of s·z after
+    /// as much of the change as there is room for.
+    fn predict(&mut self, change: &[f64], bent: &mut [f64], central: &mut [f64]) -> f64 {
+        bent.fill(0.0);
+        central.fill(0.0);
+        let (mut most, mut product, mut bends) = (1.0_f64, 0.0, 0.0);
+        for (index, group) in self.groups().enumerate() {
+            let change = three(change, index);
+            let [mut bend, mut centre] = [[0.0; 3]; 2];
+            for row in group {
+                // s and z change by these parts of themselves: z·Δs + s·Δz = −s·z.
+                let ds = (-row.wrong - row.times(change)) * row.inverse;
+                let dz = -1.0 - ds;
+                most = most.max(-ds).max(-dz);
+                product += row.s * row.z;
+                row.bend = ds * dz * row.z;
+                bends += row.bend * row.s;
+                add(&mut bend, row.bend, row.factors);
+                add(&mut centre, row.inverse, row.factors);
+            }
+            add(&mut bent[index..], 1.0, bend);
+            add(&mut central[index..], 1.0, centre);
+        }
+        let room = 1.0 / most;
+        (1.0 - room) * product + room * room * bends
+    }
+
+    /// Takes over the `change` of the variables, after which s·z would be `aim` in each row. The largest part of it that keeps both
+    /// positive.
+    fn correct(&mut self, change: &[f64], aim: f64) -> f64 {
+        let mut most = STEP;
+        for (index, group) in self.groups().enumerate() {
+            let change = three(change, index);
+            for row in group {
+                row.ds = -row.wrong - row.times(change);
+                row.dz = (aim - row.z * row.ds) * row.inverse - row.bend - row.z;
+                most = most.max(-row.ds * row.inverse).max(-row.dz / row.z);
+            }
+        }
+        1.0 / most
+    }
+
+    /// Those of the program's rows.
+    fn multipliers(&self) -> Vec<f64> {
+        self.places.iter().map(|place| self.rows[*place].z).collect()
+    }
+}
+
+#[inline]
+fn three(values: &[f64], index: usize) -> [f64; 3] {
+    let values = &values[index..index + 3];
+    [values[0], values[1], values[2]]
+}
+
+#[inline]
+fn add<const N: usize>(to: &mut [f64], factor: f64, values: [f64; N]) {
+    for (slot, value) in to[..N].iter_mut().zip(values) {
+        *slot += factor * value;
+    }
+}
+
+/// A symmetric matrix with two diagonals beside the main one, or its factors L·D·Lᵀ: 1/D, and L's diagonals below.
 #[derive(Debug, Default)]
 struct Band {
     own: Vec<f64>,
@@ -198,8 +292,8 @@ struct Band {
 }
 
 impl Band {
-    /// P + Aᵀ·(z/s)·A.
-    fn put(&mut self, program: &BandProgram<'_>, states: &[RowState]) {
+    /// P.
+    fn put(&mut self, program: &BandProgram<'_>) {
         let count = program.diagonal.len();
         for (values, given) in [
             (&mut self.own, program.diagonal),
@@ -210,63 +304,39 @@ impl Band {
             values.extend_from_slice(given);
             values.resize(count + 2, 0.0);
         }
-        for (row, state) in program.rows.iter().zip(states) {
-            let ([a, b, c], weight, first) = (row.factors, state.z / state.s, row.first);
-            self.own[first] += weight * a * a;
-            self.own[first + 1] += weight * b * b;
-            self.own[first + 2] += weight * c * c;
-            self.next[first] += weight * a * b;
-            self.next[first + 1] += weight * b * c;
-            self.second[first] += weight * a * c;
-        }
-        // Variables without cost and rows keep their values.
-        for own in self.own.iter_mut().filter(|own| **own == 0.0) {
-            *own = 1.0;
-        }
     }
 
     /// Puts the factors in its place; false if it is not positive.
     fn factor(&mut self) -> bool {
-        for index in 0..self.own.len() {
-            let pivot = self.own[index];
+        for index in 0..self.own.len().saturating_sub(2) {
+            // Variables without cost and rows keep their values.
+            let pivot = if self.own[index] == 0.0 { 1.0 } else { self.own[index] };
             if pivot <= 0.0 || !pivot.is_finite() {
                 return false;
             }
+            let inverse = 1.0 / pivot;
             let (next, second) = (self.next[index], self.second[index]);
-            let (l1, l2) = (next / pivot, second / pivot);
-            if index + 1 < self.own.len() {
-                self.own[index + 1] -= l1 * next;
-                self.next[index + 1] -= l1 * second;
-            }
-            if index + 2 < self.own.len() {
-                self.own[index + 2] -= l2 * second;
-            }
-            (self.next[index], self.second[index]) = (l1, l2);
+            let (l1, l2) = (next * inverse, second * inverse);
+            self.own[index + 1] -= l1 * next;
+            self.own[index + 2] -= l2 * second;
+            self.next[index + 1] -= l1 * second;
+            (self.own[index], self.next[index], self.second[index]) = (inverse, l1, l2);
         }
         true
     }
 
     /// Solves for one right side, in its place.
     fn solve(&self, right: &mut [f64]) {
-        let count = self.own.len();
+        let count = self.own.len().saturating_sub(2);
         for index in 0..count {
             let value = right[index];
-            if index + 1 < count {
-                right[index + 1] -= self.next[index] * value;
-            }
-            if index + 2 < count {
-                right[index + 2] -= self.second[index] * value;
-            }
+            right[index + 1] -= self.next[index] * value;
+            right[index + 2] -= self.second[index] * value;
         }
         for index in (0..count).rev() {
-            let mut value = right[index] / self.own[index];
-            if index + 1 < count {
-                value -= self.next[index] * right[index + 1];
-            }
-            if index + 2 < count {
-                value -= self.second[index] * right[index + 2];
-            }
-            right[index] = value;
+            let behind =
+                self.next[index] * right[index + 1] + self.second[index] * right[index + 2];
+            right[index] = right[index] * self.own[index] - behind;
         }
     }
 }
