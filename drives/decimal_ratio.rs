@@ -63,14 +63,41 @@ impl DecimalRatio {
         if !units.is_finite() {
             return None;
         }
+        if let Some(nearest) = self.quickly(units, Way::ToIncrements).and_then(clearly_nearest) {
+            return Some(nearest);
+        }
         let size = self.divided(units.abs(), Way::ToIncrements).nearest()?;
         Some(if units.is_sign_negative() == self.negative { size } else { -size })
     }
 
     fn converted(self, value: f64, way: Way) -> f64 {
+        let (times, over) = self.factors(way);
+        let is_exact = times == 1 || over == 1;
+        if let Some(nearest) = self.quickly(value, way).filter(|_| is_exact) {
+            return nearest;
+        }
         let size =
             if value.is_finite() { self.divided(value.abs(), way).rounded() } else { value.abs() };
         if value.is_sign_negative() == self.negative { size } else { -size }
+    }
+
+    /// By what to multiply and to divide, but for the power of ten.
+    fn factors(self, way: Way) -> (u64, u64) {
+        match way {
+            Way::ToIncrements => (self.numerator, self.denominator),
+            Way::ToUnits => (self.denominator, self.numerator),
+        }
+    }
+
+    /// By a multiplication and a division of numbers, each with its rounding, if both factors are numbers without one.
+    fn quickly(self, value: f64, way: Way) -> Option<f64> {
+        let (times, over) = self.factors(way);
+        if self.power > 0 || times.max(over) > 1 << f64::MANTISSA_DIGITS {
+            return None;
+        }
+        #[expect(clippy::cast_precision_loss, reason = "53 bits")]
+        let size = value * times as f64 / over as f64;
+        Some(if self.negative { -size } else { size })
     }
 
     /// `size` is finite and not negative.
@@ -79,10 +106,7 @@ impl DecimalRatio {
         if mantissa == 0 {
             return Quotient::default();
         }
-        let (times, over) = match way {
-            Way::ToIncrements => (self.numerator, self.denominator),
-            Way::ToUnits => (self.denominator, self.numerator),
-        };
+        let (times, over) = self.factors(way);
         if self.power == 0 {
             // At most 117 bits.
             return narrow(u128::from(mantissa) * u128::from(times), over, exponent);
@@ -106,6 +130,15 @@ impl DecimalRatio {
         }
         wide.quotient(exponent)
     }
+}
+
+/// The whole number nearest to `value`, if it is so even where two roundings have changed `value`.
+fn clearly_nearest(value: f64) -> Option<i64> {
+    let whole = value.round_ties_even();
+    let is_clear = (value - whole).abs() < 0.5 - 4.0 * f64::EPSILON * value.abs();
+    #[expect(clippy::cast_possible_truncation, reason = "smaller than 2^53 where it is clear")]
+    let nearest = is_clear.then_some(whole as i64);
+    nearest
 }
 
 /// Mantissa and exponent: `value` = mantissa · 2^exponent. `value` is finite and not negative.
@@ -372,7 +405,9 @@ mod tests {
         /// Both forms of the reckoning give the same: one in 128 bits and one in 384.
         #[test]
         fn long_ratios_are_reckoned_as_short_ones(
-            increments in 1_i64..1 << 30, digits in 1_u32..1 << 30, value in -1e9..1e9,
+            increments in prop_oneof![Just(1_i64), Just(1024), 1_i64..1 << 30],
+            digits in prop_oneof![Just(1_u32), Just(10), 1_u32..1 << 30],
+            value in prop_oneof![-1e9..1e9, any::<i32>().prop_map(|halves| f64::from(halves) / 2048.0)],
         ) {
             let short = DecimalRatio::new(increments, digits.into(), 0).unwrap();
             // The same, with a power of ten that is taken back in the denominator.
