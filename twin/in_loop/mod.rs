@@ -243,12 +243,15 @@ impl SetpointStream for Plan<'_> {
             return resting(self.before);
         };
         let next = index.saturating_add(1);
-        let ends = {
-            let mut counted = held(self.counted);
-            self.increments(&mut counted, index).zip(self.increments(&mut counted, next))
-        };
-        let Some((from, to)) = ends else { return resting(last) };
         let part = seconds(since_ns.rem_euclid(self.cycle_ns)) / seconds(self.cycle_ns);
+        let ends = self.get(next).and_then(|_| {
+            let mut counted = held(self.counted);
+            let from = self.increments(&mut counted, index)?;
+            // Devices look ahead at whole cycles.
+            let to = if part > 0.0 { self.increments(&mut counted, next)? } else { from };
+            Some((from, to))
+        });
+        let Some((from, to)) = ends else { return resting(last) };
         from.towards(&to, part)
     }
 
