@@ -85,7 +85,7 @@ pub enum VizError {
         /// The address asked for.
         address: SocketAddr,
         /// The cause.
-        source: Box<dyn std::error::Error + Send + Sync>,
+        source: std::io::Error,
     },
 
     /// The viewer inside this binary is damaged.

@@ -7,6 +7,7 @@ use tempfile::NamedTempFile;
 
 use super::*;
 use crate::scene::tests::record_three_frames;
+use std::sync::atomic::Ordering;
 
 const ANY_PORT: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
 
@@ -119,6 +120,60 @@ fn pages_of_other_names_are_refused() {
     }
 }
 
+/// Status of the answer to these bytes.
+fn answer_to(viewer: &Viewer, request: &str) -> u16 {
+    let mut connection = TcpStream::connect(viewer.address()).unwrap();
+    connection.write_all(request.as_bytes()).unwrap();
+    head(&mut BufReader::new(connection)).0
+}
+
+#[test]
+fn requests_that_no_page_of_ours_makes_are_refused() {
+    let file = file_of(&recording());
+    let viewer = view_recording(file.path(), ANY_PORT).unwrap();
+    for (line, headers, expected) in [
+        ("GET /", "Host: localhost\r\nOrigin: http://localhost", 200),
+        ("GET /", "Host: localhost\r\nOrigin: http://evil.example", 403),
+        ("GET /", "Host: localhost\r\nOrigin: null", 403),
+        ("GET /", "Host: localhost\r\nHost: evil.example", 403),
+        ("GET /", "Host: [::1]evil.example", 403),
+        ("GET /", "X: no host", 403),
+        ("GET http://evil.example/", "Host: localhost", 403),
+        ("GET /", "Host: localhost\r\nContent-Length: 100000000000000", 413),
+        ("HEAD /", "Host: localhost", 405),
+    ] {
+        let request = format!("{line} HTTP/1.1\r\n{headers}\r\nConnection: close\r\n\r\n");
+        assert_eq!(answer_to(&viewer, &request), expected, "{request}");
+    }
+    let long = format!("GET / HTTP/1.1\r\nHost: localhost\r\nX: {}\r\n\r\n", "x".repeat(1 << 16));
+    assert_eq!(answer_to(&viewer, &long), 431);
+}
+
+/// Silent clients, half requests, and clients that never read what they asked for.
+#[test]
+fn slow_clients_keep_neither_others_waiting_nor_the_viewer_from_ending() {
+    let file = file_of(b"");
+    let source = Source::file(file.path().to_owned(), Arc::new(AtomicBool::new(false)));
+    let viewer = Viewer::start(bind(ANY_PORT).unwrap(), "slow", source).unwrap();
+    let slow = |number: usize| {
+        let mut connection = TcpStream::connect(viewer.address()).unwrap();
+        let request = "GET /re_viewer_bg.wasm HTTP/1.1\r\nHost: localhost\r\n\r\n";
+        let sent = [0, 20, request.len()][number % 3];
+        connection.write_all(&request.as_bytes()[..sent]).unwrap();
+        connection
+    };
+    let slow: Vec<_> = (0..200).map(slow).collect();
+    assert_eq!(status_of(&viewer, "GET", "/", "localhost"), 200);
+    let (sender, ended) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        drop(viewer);
+        sender.send(()).unwrap();
+    });
+    // It takes a quarter of a second.
+    ended.recv_timeout(std::time::Duration::from_secs(20)).unwrap();
+    drop(slow);
+}
+
 #[test]
 fn a_growing_recording_is_sent_as_it_grows() {
     let mut file = file_of(b"");
@@ -180,9 +235,4 @@ fn what_is_not_a_recording_is_refused() {
     }
     let missing = view_recording(Path::new("/nowhere/missing.rrd"), ANY_PORT);
     assert!(matches!(missing, Err(VizError::Open { .. })), "{missing:?}");
-}
-
-#[test]
-fn a_program_name_cannot_become_markup() {
-    assert_eq!(escape("<script>&.cnc"), "&lt;script&gt;&amp;.cnc");
 }
