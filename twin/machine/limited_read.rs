@@ -5,10 +5,12 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Bytes of a file at most: more than a cam of as many points as there may be, with every digit.
+/// Bytes of a table at most: more than a cam of as many points as there may be, with every digit.
 const MOST_BYTES: u64 = 256 << 20;
+/// Bytes of a file in a language that is read as a whole, as TOML and XML are: for each there are some dozen in memory.
+const MOST_TEXT: u64 = 16 << 20;
 
-/// The bytes of a text file; what has no end, as a device may, ends with an error.
+/// The bytes of a table in text; what has no end, as a device may, ends with an error.
 ///
 /// # Errors
 /// If it cannot be read, in UTF-16, or longer ([`io::ErrorKind::FileTooLarge`]).
@@ -16,12 +18,12 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     up_to(path, MOST_BYTES)
 }
 
-/// The text of a whole file.
+/// The text of a whole file in TOML or XML.
 ///
 /// # Errors
-/// As [`read`], and if it is not UTF-8.
+/// As [`read`], for a shorter one, and if it is not UTF-8.
 pub fn read_to_string(path: &Path) -> io::Result<String> {
-    String::from_utf8(read(path)?)
+    String::from_utf8(up_to(path, MOST_TEXT)?)
         .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error.utf8_error()))
 }
 

@@ -7,6 +7,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// Problems of a file that are shown: each is looked up in its text.
+const MOST_SHOWN: usize = 100;
+
 /// One problem and its place in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
@@ -34,28 +37,43 @@ pub struct Elsewhere {
 impl Elsewhere {
     /// A diagnostic for every problem, with its line.
     pub fn shown(&self) -> Vec<Shown> {
-        self.problems.iter().map(|problem| shown(&self.path, &self.text, problem)).collect()
+        shown(&self.path, &self.text, &self.problems)
     }
 }
 
 impl fmt::Display for Elsewhere {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.path.display())?;
-        for (index, problem) in self.problems.iter().enumerate() {
+        for (index, problem) in self.problems.iter().take(MOST_SHOWN).enumerate() {
             let before = self.text.get(..problem.span.start).unwrap_or_default();
             let line = before.matches('\n').count() + 1;
             let parting = if index == 0 { ":" } else { ";" };
             write!(f, "{parting} line {line}: {}", problem.message)?;
         }
+        if self.problems.len() > MOST_SHOWN {
+            write!(f, "; {}", left_out(self.problems.len() - MOST_SHOWN))?;
+        }
         Ok(())
     }
 }
 
-fn shown(path: &Path, text: &str, problem: &Problem) -> Shown {
-    let Problem { span, message, help, elsewhere } = problem.clone();
-    let text = NamedSource::new(path.display().to_string(), text.to_owned());
-    let others = elsewhere.map_or_else(Vec::new, |elsewhere| elsewhere.shown());
-    Shown { message, help, text, span: span.into(), others }
+/// A diagnostic for each of the first [`MOST_SHOWN`] problems, and how many others there are.
+fn shown(path: &Path, text: &str, problems: &[Problem]) -> Vec<Shown> {
+    let text: Arc<str> = text.into();
+    let shown = problems.iter().take(MOST_SHOWN).map(|problem| {
+        let Problem { span, message, help, elsewhere } = problem.clone();
+        let text = Some(NamedSource::new(path.display().to_string(), text.clone()));
+        let others = elsewhere.map_or_else(Vec::new, |elsewhere| elsewhere.shown());
+        Shown { message, help, text, span: Some(span.into()), others }
+    });
+    let left = problems.len().saturating_sub(MOST_SHOWN);
+    let message = left_out(left);
+    let others = Shown { message, help: None, text: None, span: None, others: Vec::new() };
+    shown.chain((left > 0).then_some(others)).collect()
+}
+
+fn left_out(number: usize) -> String {
+    format!("{number} problems more, left out")
 }
 
 /// Errors of a machine file, or of a scenario for one.
@@ -86,14 +104,13 @@ pub enum MachineFileError {
 }
 
 impl MachineFileError {
-    /// One report per problem, for people.
+    /// One report per problem, for people; of very many the first, and their number.
     pub fn reports(self) -> Vec<miette::Report> {
         match self {
             Self::Read { .. } => vec![miette::Report::msg(self.to_string())],
-            Self::Content { path, text, problems, .. } => problems
-                .iter()
-                .map(|problem| miette::Report::new(shown(&path, &text, problem)))
-                .collect(),
+            Self::Content { path, text, problems, .. } => {
+                shown(&path, &text, &problems).into_iter().map(miette::Report::new).collect()
+            }
         }
     }
 }
@@ -107,9 +124,9 @@ pub struct Shown {
     #[help]
     help: Option<String>,
     #[source_code]
-    text: NamedSource<String>,
+    text: Option<NamedSource<Arc<str>>>,
     #[label("here")]
-    span: SourceSpan,
+    span: Option<SourceSpan>,
     /// Problems of the file that is named here.
     #[related]
     others: Vec<Shown>,

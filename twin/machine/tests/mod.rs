@@ -314,6 +314,26 @@ fn too_many_axes_are_refused() {
 }
 
 #[test]
+fn of_very_many_problems_the_first_are_shown() {
+    use std::fmt::Write;
+    let mut text = SHORT.to_owned();
+    for number in 0..1234 {
+        write!(text, "[u{number}]\n").unwrap();
+    }
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), &text).unwrap();
+    let reports = Machine::load(file.path()).unwrap_err().reports();
+    let shown: Vec<_> = reports.iter().map(ToString::to_string).collect();
+    assert_eq!(shown[0], "unknown key `u0` in the file");
+    assert_eq!(shown[99], "unknown key `u99` in the file");
+    assert_eq!(shown[100..], ["1134 problems more, left out"]);
+    // No file of a machine is so long.
+    file.as_file().set_len(17 << 20).unwrap();
+    let error = Machine::load(file.path()).unwrap_err().to_string();
+    assert!(error.ends_with("it is longer than 16777216 bytes"), "{error}");
+}
+
+#[test]
 fn a_file_that_cannot_be_read_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("machine.toml");
