@@ -300,6 +300,16 @@ const PREDICTED: &str = "predicted_following";
 const MOTOR_LOAD: &str = "motor_load";
 
 #[test]
+fn help_that_cannot_be_written_fails() {
+    let desk = Desk::new();
+    for line in ["--help", "--version", "check --help", "emulate interpcnc --assume help"] {
+        let full = std::fs::File::create("/dev/full").expect("a device that is always full");
+        let done = Done::from(desk.command(line).stdout(full).output().expect("the binary starts"));
+        done.ended(2, "No space left on device");
+    }
+}
+
+#[test]
 fn ctrl_c_stops_a_run_with_drives_and_leaves_report_and_recording() {
     let desk = Desk::new();
     desk.write("circles.cnc", CIRCLES);

@@ -133,13 +133,17 @@ fn parse() -> Result<Arguments, ExitCode> {
             // A list that an argument asks for is not an error, although clap calls it one.
             let text = error.to_string();
             let list = text.strip_prefix("error: ");
-            match list.filter(|_| error.kind() == ErrorKind::DisplayHelp) {
-                None => error.exit(),
-                Some(list) => {
-                    // Whoever reads our output may have gone.
-                    writeln!(std::io::stdout(), "{}", list.trim_end()).unwrap_or_default();
-                    Err(ExitCode::SUCCESS)
+            let (printed, status) = match list.filter(|_| error.kind() == ErrorKind::DisplayHelp) {
+                None => (error.print(), u8::try_from(error.exit_code()).unwrap_or(u8::MAX)),
+                Some(list) => (writeln!(std::io::stdout(), "{}", list.trim_end()), 0),
+            };
+            match printed {
+                // Whoever reads our output may have gone.
+                Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+                    Failure::Stdio(error).show();
+                    Err(Status::Failed.into())
                 }
+                _ => Err(status.into()),
             }
         }
     }
