@@ -332,6 +332,18 @@ impl AxisPath for MachinePath<'_> {
         Ok(point)
     }
 
+    fn position(
+        &self,
+        element: &BlendedElement,
+        s: f64,
+        near: &AxisVector,
+    ) -> Result<AxisVector, KinematicsError> {
+        if element.element().extra().is_some() || !self.slaves.is_empty() {
+            return Ok(self.axes(element, s, near)?.position);
+        }
+        self.machine.kinematics.inverse(&self.pose(element, s), near)
+    }
+
     /// That of additional axes counts; what slaves on cams do is not known.
     fn disc(&self, element: &BlendedElement, s: f64, _point: &AxisPoint) -> Option<AxisDisc> {
         let (point, path) = (element.at(s), element.disc(s));

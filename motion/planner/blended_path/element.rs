@@ -145,6 +145,17 @@ impl BlendedElement {
         self.tail.as_ref()
     }
 
+    /// True if a blend replaces a part of it.
+    pub fn is_blended(&self) -> bool {
+        self.head.is_some() || self.tail.is_some()
+    }
+
+    /// True if the tool goes straight along all of it, at the velocity of the path.
+    pub(crate) fn is_line(&self) -> bool {
+        let is_line = matches!(self.element.shape, Shape::Line { .. });
+        is_line && self.element.details.is_none() && !self.is_blended()
+    }
+
     /// Remaining steps at the end of the element.
     pub fn joint(&self) -> Joint {
         self.joint

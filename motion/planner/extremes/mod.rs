@@ -22,7 +22,7 @@ mod bernstein;
 mod tests;
 
 use crate::blended_path::BlendedElement;
-use crate::planned_motion::Piece;
+use crate::planned_motion::{PathState, Piece};
 use crate::time_optimal::{AxisPath, AxisPoint, Rates};
 use bernstein::Bernstein;
 use twin_kinematics::{AxisVector, KinematicsError, MAX_AXES};
@@ -157,8 +157,12 @@ struct Along<'e> {
     floors: &'e [Floor],
     /// Its start and end on the element, m.
     within: [f64; 2],
+    /// Acceleration, velocity and jerk along the path are largest at the ends of the piece.
+    is_monotone: bool,
     /// The axes along the element, if they are linear in its length and the piece has its extremes at its ends.
     linear: Option<&'e LinearAxes>,
+    /// Their derivatives by the length, if these are known to be the same all along.
+    first: Option<&'e AxisVector>,
 }
 
 /// Examines pieces of plans on a machine.
@@ -189,29 +193,27 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         linear: Option<&LinearAxes>,
     ) -> Result<Box<Extremes>, OutOfReach> {
         let within = within(element, piece);
-        let along = Along {
-            element,
-            piece,
-            floors,
-            within,
-            linear: linear.filter(|_| piece.is_monotone()),
-        };
+        let is_monotone = piece.is_monotone();
+        let even = linear.filter(|_| is_monotone);
+        let first = even.map(|linear| &linear.first);
+        let along = Along { element, piece, floors, within, is_monotone, linear: even, first };
         let nowhere = Node::resting(*near);
         let axes = [AxisExtremes::default(); MAX_AXES];
         let linear = linear.copied();
         // On the heap: it is large.
         let mut found = Box::new(Extremes { axes, ends: [nowhere; 2], is_proven: true, linear });
-        let mut last: Option<Node> = None;
-        let mut windows = vec![[0.0, piece.duration]];
-        while let Some([from, to]) = windows.pop() {
-            let near = last.map_or(*near, |node| node.position);
-            match self.window(&along, [from, to], &near, &mut found) {
-                Ok(ends) => {
-                    match &last {
-                        Some(before) => found.step(before, &ends[0]),
-                        None => found.ends[0] = ends[0],
+        let mut begun = false;
+        let (mut whole, mut windows) = (Some([0.0, piece.duration]), Vec::new());
+        while let Some([from, to]) = whole.take().or_else(|| windows.pop()) {
+            let before = found.ends[1].position;
+            match self.window(&along, [from, to], &before, &mut found) {
+                Ok([first, last]) => {
+                    if std::mem::replace(&mut begun, true) {
+                        found.step(&first);
+                    } else {
+                        found.ends[0] = first;
                     }
-                    last = Some(ends[1]);
+                    found.ends[1] = last;
                 }
                 Err(Obstacle::Beyond(error)) => return Err(error),
                 Err(Obstacle::Edge(at)) => {
@@ -226,14 +228,12 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
                 }
             }
         }
-        let mut end = last.unwrap_or(nowhere);
+        let [_, end] = &mut found.ends;
         if end.time < piece.duration {
             // The end is at an edge: the velocities are those before it, and nothing else of that cycle counts.
-            let [velocity, ..] = end.rates;
-            let zero = AxisVector::zeros(velocity.len());
-            end = Node { time: piece.duration, rates: [velocity, zero, zero], ..end };
+            end.time = piece.duration;
+            end.rates[1..].fill(AxisVector::zeros(end.position.len()));
         }
-        found.ends[1] = end;
         Ok(found)
     }
 
@@ -246,17 +246,20 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         found: &mut Extremes,
     ) -> Result<[Node; 2], Obstacle> {
         let first = self.node(along, from, near)?;
-        let last = self.node(along, to, &self.turns(along, &first, to))?;
-        let even = first.is_even && last.is_even && along.piece.is_monotone();
+        let is_even = first.is_even && along.element.is_line();
+        let same = along.first.or(is_even.then_some(&first.first));
+        let last =
+            self.node(&Along { first: same, ..*along }, to, &self.turns(along, &first, to))?;
+        let even = first.is_even && last.is_even && along.is_monotone;
         // Where the axes move evenly every value is taken at one of the ends.
         let mut between = (!even).then(|| found.clone());
         for node in [&first, &last] {
             between.as_mut().unwrap_or(found).take(node, along.floors);
         }
-        let has_no_blend = along.element.breaks().nth(2).is_none();
-        if even && has_no_blend && found.linear.is_none() {
+        if even && found.linear.is_none() && !along.element.is_blended() {
             let (position, first) = (last.position, last.first);
-            found.linear = Some(LinearAxes { s: along.place(to), position, first });
+            let s = along.place(&along.piece.at(to).0);
+            found.linear = Some(LinearAxes { s, position, first });
         }
         if let Some(mut between) = between {
             self.bisect(along, &[first, last], &mut between)?;
@@ -324,17 +327,22 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
     fn node(&self, along: &Along<'_>, time: f64, near: &AxisVector) -> Result<Node, Obstacle> {
         let Along { element, piece, .. } = *along;
         let (state, jerk) = piece.at(time);
-        let s = along.place(time);
-        // At the ends of an element positions come from the kinematics.
-        if let Some(linear) = along.linear.filter(|_| s > 0.0 && s < element.length()) {
-            return Ok(linear.node(time, s, [state.velocity, state.acceleration, jerk]));
-        }
-        let point = self.axes.axes(element, s, near).map_err(|error| match error {
+        let s = along.place(&state);
+        let (v, a) = (state.velocity, state.acceleration);
+        let obstacle = |error: KinematicsError| match error {
             KinematicsError::Singular(_) => Obstacle::Edge(time),
             error => Obstacle::Beyond(OutOfReach { at: time, error }),
-        })?;
+        };
+        // At the ends of an element positions come from the kinematics.
+        if let Some(linear) = along.linear.filter(|_| s > 0.0 && s < element.length()) {
+            return Ok(Node::even(time, linear.at(s), &linear.first, [v, a, jerk]));
+        }
+        if let Some(first) = along.first {
+            let position = self.axes.position(element, s, near).map_err(obstacle)?;
+            return Ok(Node::even(time, position, first, [v, a, jerk]));
+        }
+        let point = self.axes.axes(element, s, near).map_err(obstacle)?;
         let AxisPoint { position, rates: Rates { first, second, third } } = point;
-        let (v, a) = (state.velocity, state.acceleration);
         let each = |of: &dyn Fn(f64, f64, f64) -> f64| {
             let values = first.iter().zip(second.iter()).zip(third.iter());
             AxisVector::from_values(values.map(|((d1, d2), d3)| of(*d1, *d2, *d3)))
@@ -346,7 +354,8 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
         ];
         let disc = self.axes.disc(element, s, &point);
         let is_even = disc.is_some_and(|disc| disc.is_even && disc.radius > 0.0);
-        let disc = disc.map(|disc| {
+        // Where the axes move evenly all is known without one.
+        let disc = disc.filter(|_| !(is_even && along.is_monotone)).map(|disc| {
             let [time, way] = piece.law.time_for(&state, jerk, disc.radius);
             // By Schwarz's lemma the axes change by no more than this part within it.
             let part = if disc.radius > 0.0 { way / disc.radius } else { 0.0 };
@@ -357,22 +366,19 @@ impl<'a, A: AxisPath> Examiner<'a, A> {
 }
 
 impl Along<'_> {
-    /// Path length on the element at `time`, m.
-    fn place(&self, time: f64) -> f64 {
+    /// Path length on the element in `state`, m.
+    fn place(&self, state: &PathState) -> f64 {
         let [from, to] = self.within;
-        self.piece.at(time).0.position.max(from).min(to)
+        state.position.max(from).min(to)
     }
 }
 
 impl LinearAxes {
-    /// Node at `s`; `rates`: derivatives of s by time.
-    fn node(&self, time: f64, s: f64, rates: [f64; 3]) -> Node {
-        let first = self.first;
-        let scaled = |by: f64| AxisVector::from_values(first.iter().map(|first| first * by));
-        let way = scaled(s - self.s);
-        let sums = self.position.iter().zip(way.iter()).map(|(position, way)| position + way);
-        let (position, disc) = (AxisVector::from_values(sums), None);
-        Node { time, position, rates: rates.map(scaled), first, disc, is_even: true }
+    /// Positions at `s`, m or rad.
+    fn at(&self, s: f64) -> AxisVector {
+        let ways = self.first.iter().map(|first| first * (s - self.s));
+        let sums = self.position.iter().zip(ways).map(|(position, way)| position + way);
+        AxisVector::from_values(sums)
     }
 }
 
@@ -380,6 +386,12 @@ impl Node {
     fn resting(position: AxisVector) -> Self {
         let zero = AxisVector::zeros(position.len());
         Self { time: 0.0, position, rates: [zero; 3], first: zero, disc: None, is_even: false }
+    }
+
+    /// Where the axes are linear, with the derivatives `first` by a path length that has these `rates` by time.
+    fn even(time: f64, position: AxisVector, first: &AxisVector, rates: [f64; 3]) -> Self {
+        let rates = rates.map(|by| AxisVector::from_values(first.iter().map(|first| first * by)));
+        Self { time, position, rates, first: *first, disc: None, is_even: true }
     }
 }
 
@@ -409,8 +421,9 @@ impl Extremes {
         }
     }
 
-    /// Counts the change of velocities across an edge of the reach as a step, and that of positions which they do not explain.
-    fn step(&mut self, from: &Node, to: &Node) {
+    /// Counts the change of velocities across an edge of the reach to `to` as a step, and of positions what they do not explain.
+    fn step(&mut self, to: &Node) {
+        let [_, from] = &self.ends;
         for (index, axis) in self.axes.iter_mut().take(from.position.len()).enumerate() {
             let [first, last] = [from, to].map(|node| node.rates[0][index]);
             let between = (to.position[index] - from.position[index]) / (to.time - from.time);
@@ -538,6 +551,9 @@ fn is_certain(way: &Bernstein, error: f64, start: f64, floor: &Floor) -> bool {
 /// Start and end of a piece on its element, m. At the ends of blends it is a little less.
 fn within(element: &BlendedElement, piece: &Piece) -> [f64; 2] {
     let [from, to] = [0.0, piece.duration].map(|time| piece.at(time).0.position);
+    if !element.is_blended() {
+        return [from, to];
+    }
     let length = element.length();
     let inside = INSIDE * (to - from);
     let at_blend = |s: f64| {

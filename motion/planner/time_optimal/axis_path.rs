@@ -39,6 +39,19 @@ pub trait AxisPath {
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError>;
 
+    /// Positions of the axes there: those of [`Self::axes`].
+    ///
+    /// # Errors
+    /// As [`Self::axes`].
+    fn position(
+        &self,
+        element: &BlendedElement,
+        s: f64,
+        near: &AxisVector,
+    ) -> Result<AxisVector, KinematicsError> {
+        Ok(self.axes(element, s, near)?.position)
+    }
+
     /// A disc of the parameter about `s` of `element`, where the axes are at `point`, on which they are analytic; none if
     /// nothing is known of that.
     fn disc(&self, element: &BlendedElement, s: f64, point: &AxisPoint) -> Option<AxisDisc> {
