@@ -16,8 +16,8 @@ use twin_machine::{Axis, DirectionRule, Machine};
 use twin_number::seconds;
 use twin_path::Place;
 use twin_planner::blended_path::BlendedElement;
-use twin_planner::extremes::{AxisExtremes, Examiner, Extremes, Floor, LinearAxes, Node};
-use twin_planner::planned_motion::{Piece, PlannedPiece};
+use twin_planner::extremes::{AxisExtremes, Examiner, Extremes, Floor, LinearAxes};
+use twin_planner::planned_motion::{PathState, PlannedPiece};
 use twin_planner::time_optimal::AxisPath;
 
 /// Extremes are exact to a millionth; no more than that is above a limit.
@@ -56,7 +56,8 @@ struct Last {
     place: Place,
     /// When, s.
     time: f64,
-    node: Node,
+    /// First to third derivative of the axes by time.
+    rates: [AxisVector; 3],
     /// Direction of the path, work frame.
     tangent: Vector3<f64>,
 }
@@ -123,6 +124,10 @@ pub(super) enum Quantity {
 struct Examined<'p> {
     planned: &'p PlannedPiece,
     place: Place,
+    /// Path length on its element, m, and velocity, m/s, at its start.
+    state: [f64; 2],
+    /// Direction of the path there, work frame.
+    tangent: Vector3<f64>,
     extremes: Box<Extremes>,
 }
 
@@ -199,10 +204,12 @@ impl<'m> PieceCheck<'m> {
                 return;
             }
         };
-        let examined = Examined { planned, place, extremes };
+        let PathState { position, velocity, .. } = piece.at(0.0).0;
+        let (state, start) = ([position, velocity], element.at(position));
+        let examined = Examined { planned, place, state, tangent: start.first, extremes };
         let mut open = self.open.take().unwrap_or_else(|| Open::at(planned, &self.near));
         let lost = std::mem::take(&mut self.lost);
-        let jumps = self.jumps(&examined);
+        let jumps = self.jumps(&examined, &start.position);
         if !lost {
             self.join(&examined);
         }
@@ -232,21 +239,22 @@ impl<'m> PieceCheck<'m> {
                 self.step(ends, index, peak, &mut open.wrong, &mut found);
             }
         }
-        let [_, end] = examined.extremes.ends;
+        let [_, end] = &examined.extremes.ends;
         let (state, _) = planned.piece.at(planned.piece.duration);
         (open.ends[1], open.linear) = (state.velocity, examined.extremes.linear);
-        open.fastest = open.fastest.max(state.velocity).max(planned.piece.at(0.0).0.velocity);
+        open.fastest = open.fastest.max(state.velocity).max(velocity);
         self.open = Some(open);
         self.near = end.position;
+        let point = element.at(state.position);
         let with_path = matches!(self.machine.direction, DirectionRule::Path(..));
-        self.tip = with_path.then(|| planned.element.at(state.position).position);
+        self.tip = with_path.then_some(point.position);
         self.last = Some(Last {
             element: Arc::clone(&planned.element),
             state: [state.position, state.velocity],
             place,
             time: planned.start() + planned.piece.duration,
-            node: end,
-            tangent: tangent(&planned.element, &planned.piece, planned.piece.duration),
+            rates: end.rates,
+            tangent: point.first,
         });
     }
 
@@ -304,18 +312,17 @@ impl<'m> PieceCheck<'m> {
 
     /// Adds what velocities change at the start of a piece to the joints of the last cycle.
     fn join(&mut self, examined: &Examined<'_>) {
-        let Examined { planned, extremes, .. } = examined;
+        let Examined { planned, tangent, extremes, .. } = examined;
         let now = planned.start();
         let oldest = now - seconds(self.machine.cycle_ns) * (1.0 - SAME_PLACE);
         self.joints.retain(|joint| joint.time > oldest);
         let [start, _] = &extremes.ends;
-        let direction = tangent(&planned.element, &planned.piece, 0.0);
         let (changes, before) = match &self.last {
             Some(last) => {
-                let pairs = start.rates[0].iter().zip(last.node.rates[0].iter());
+                let pairs = start.rates[0].iter().zip(last.rates[0].iter());
                 (AxisVector::from_values(pairs.map(|(to, from)| to - from)), last.tangent)
             }
-            None => (start.rates[0], direction),
+            None => (start.rates[0], *tangent),
         };
         self.joints.push_back(Joint { time: now, changes, before });
     }
@@ -473,13 +480,11 @@ impl<'m> PieceCheck<'m> {
         });
     }
 
-    /// Jumps of the axes at the start of a piece, where the path goes on; none if it does not.
-    fn jumps(&self, examined: &Examined<'_>) -> Option<AxisVector> {
-        let Examined { planned, extremes, .. } = examined;
-        let start = planned.element.at(planned.piece.at(0.0).0.position).position;
+    /// Jumps of the axes at the `start` of a piece, where the path goes on; none if it does not.
+    fn jumps(&self, examined: &Examined<'_>, start: &Point3<f64>) -> Option<AxisVector> {
         let goes_on = self.tip.is_some_and(|tip| (tip - start).norm() < SAME_PLACE);
         goes_on.then(|| {
-            let pairs = extremes.ends[0].position.iter().zip(self.near.iter());
+            let pairs = examined.extremes.ends[0].position.iter().zip(self.near.iter());
             AxisVector::from_values(pairs.map(|(start, end)| start - end))
         })
     }
@@ -525,12 +530,12 @@ impl<'m> PieceCheck<'m> {
         found: &mut AxisFindings<'_>,
     ) {
         let Some(axis) = self.machine.axes.get(index) else { return };
-        let of = |node: Option<&Node>, order: usize| {
-            let rates = node.and_then(|node| node.rates.get(order));
+        let of = |rates: Option<&[AxisVector; 3]>, order: usize| {
+            let rates = rates.and_then(|rates| rates.get(order));
             rates.and_then(|rates| rates.get(index)).copied().unwrap_or_default()
         };
-        let before = last.map(|last| &last.node);
-        let start = next.map(|next| &next.extremes.ends[0]);
+        let before = last.map(|last| &last.rates);
+        let start = next.map(|next| &next.extremes.ends[0].rates);
         let [velocity, acceleration] = [0, 1].map(|order| of(start, order) - of(before, order));
         // What comes up is of the new block, what ends of the one before.
         let place = |rises: bool| match (next, last) {
@@ -542,14 +547,13 @@ impl<'m> PieceCheck<'m> {
         let limit = self.step_limit(index);
         let value = velocity.abs();
         match (last, next) {
-            (Some(_), Some(Examined { planned, .. })) if passes(planned) => {
+            (Some(_), Some(next)) if next.passes() => {
                 // Corners that follow each other within a cycle are one for the axis.
-                let direction = tangent(&planned.element, &planned.piece, 0.0);
-                let (joined, angle) = self.joined(index, &direction);
+                let (joined, angle) = self.joined(index, &next.tangent);
                 let value = if value > SAME_PLACE { value.max(joined) } else { value };
                 let of = (Severity::Error, Rule::AxisVelocityStep);
                 if exceeds(value, limit) && !found.count_unkept(of, place(true), value, limit) {
-                    let feed = planned.piece.at(0.0).0.velocity * limit / value;
+                    let feed = next.state[1] * limit / value;
                     let finding = messages::step(axis, place(true), value, limit);
                     found.add(messages::at_corner(finding, angle, feed));
                 }
@@ -558,9 +562,7 @@ impl<'m> PieceCheck<'m> {
                 let rises = of(start, 0).abs() * (1.0 + SAME_PLACE) >= of(before, 0).abs();
                 let finding = messages::step(axis, place(rises), value, limit);
                 let here = match (last, next) {
-                    (_, Some(Examined { planned, .. })) => {
-                        Some((&planned.element, planned.piece.at(0.0).0.position))
-                    }
+                    (_, Some(next)) => Some((&next.planned.element, next.state[0])),
                     (Some(last), None) => Some((&last.element, last.state[0])),
                     (None, None) => None,
                 };
@@ -569,7 +571,7 @@ impl<'m> PieceCheck<'m> {
                     wrong.push(Wrong { axis: index, quantity, limit, finding });
                 } else {
                     let moving = last.map_or(0.0, |last| last.state[1]);
-                    let starting = next.map_or(0.0, |next| next.planned.piece.at(0.0).0.velocity);
+                    let starting = next.map_or(0.0, |next| next.state[1]);
                     found.add(messages::at_once(finding, moving.max(starting) * limit / value));
                 }
             }
@@ -606,12 +608,9 @@ impl Open {
     }
 }
 
-/// True if the path moves where the piece begins.
-fn passes(planned: &PlannedPiece) -> bool {
-    planned.piece.at(0.0).0.velocity >= LITTLE * planned.element.feed()
-}
-
-/// Direction of the path `time` s after the begin of a piece.
-fn tangent(element: &BlendedElement, piece: &Piece, time: f64) -> Vector3<f64> {
-    element.at(piece.at(time).0.position).first
+impl Examined<'_> {
+    /// True if the path moves where the piece begins.
+    fn passes(&self) -> bool {
+        self.state[1] >= LITTLE * self.planned.element.feed()
+    }
 }
