@@ -36,7 +36,8 @@ pub(super) struct Findings {
     left_out: u64,
     /// The worst error that is not kept.
     worst_left_out: Option<Finding>,
-    left_out_lately: VecDeque<(Severity, Key)>,
+    /// What was counted lately, each with the last line up to then.
+    left_out_lately: VecDeque<(u32, (Severity, Key))>,
 }
 
 impl Findings {
@@ -79,12 +80,16 @@ impl Findings {
 
     /// Counts a finding that is not kept.
     fn leave_out(&mut self, key: (Severity, Key)) {
-        if !self.left_out_lately.contains(&key) {
+        let (_, (line, ..)) = key;
+        // Up to one whose last line comes before this line none is about this line.
+        let mut near = self.left_out_lately.iter().rev().take_while(|(last, _)| *last >= line);
+        if !near.any(|(_, known)| *known == key) {
             self.left_out += 1;
             if self.left_out_lately.len() == REMEMBERED {
                 self.left_out_lately.pop_front();
             }
-            self.left_out_lately.push_back(key);
+            let last = self.left_out_lately.back().map_or(line, |(last, _)| line.max(*last));
+            self.left_out_lately.push_back((last, key));
         }
     }
 
@@ -149,7 +154,10 @@ impl AxisFindings<'_> {
         let is_worst = worst_left_out
             .as_ref()
             .is_none_or(|worst| finding::overload(worst).is_some_and(|worst| ratio > worst));
-        if kept.contains_key(&key) || (severity == Severity::Error && is_worst) {
+        // Most lines come after those of which something is kept.
+        let is_kept =
+            kept.last_key_value().is_some_and(|(last, _)| *last >= key) && kept.contains_key(&key);
+        if is_kept || (severity == Severity::Error && is_worst) {
             return false;
         }
         self.findings.leave_out((severity, key));
