@@ -28,8 +28,12 @@ pub(super) struct EdgeSearch<'m> {
 }
 
 impl<'m> EdgeSearch<'m> {
-    pub(super) fn new(machine: &'m Machine) -> Self {
-        Self { machine, nearest: None }
+    /// None if the machine has no such edge.
+    pub(super) fn new(machine: &'m Machine) -> Option<Self> {
+        let pose = machine.kinematics.forward(&machine.middle());
+        let margins = pose.and_then(|pose| machine.kinematics.margins(&pose));
+        let is_open = margins.is_ok_and(|one| one.boundary.min(one.branch) == f64::INFINITY);
+        (!is_open).then_some(Self { machine, nearest: None })
     }
 
     /// Takes an element. On a way of length w the distance changes by no more than w, and by what the last arm swings where
@@ -52,7 +56,7 @@ impl<'m> EdgeSearch<'m> {
         while let Some([from, to]) = left.pop() {
             let ((one, start), (other, end)) = (distance(from), distance(to));
             if one.min(other) == f64::INFINITY {
-                // The machine has no such edge.
+                // The machine does not come here.
                 return;
             }
             let least = one.min(other).max(0.0);

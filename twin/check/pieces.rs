@@ -85,7 +85,7 @@ pub(super) struct PieceCheck<'m> {
     steps: Vec<f64>,
     /// Findings say which feed would do.
     feeds: bool,
-    edge: EdgeSearch<'m>,
+    edge: Option<EdgeSearch<'m>>,
 }
 
 /// An element under way, with the findings that a lower feed may cure: which, is known at its end.
@@ -189,7 +189,9 @@ impl<'m> PieceCheck<'m> {
         }
         if !self.open.as_ref().is_some_and(|open| Arc::ptr_eq(&open.element, &planned.element)) {
             self.close(findings, rapids);
-            self.edge.take(&self.path, &planned.element);
+            if let Some(edge) = &mut self.edge {
+                edge.take(&self.path, &planned.element);
+            }
         }
         let floors = self.floors(peaks);
         let examiner = Examiner::new(&self.path, seconds(self.machine.cycle_ns));
@@ -260,7 +262,7 @@ impl<'m> PieceCheck<'m> {
 
     /// The point so far that is nearest to the edge of the reach; none if the machine has no such edge.
     pub(super) fn nearest_to_edge(&self) -> Option<EdgeDistance> {
-        self.edge.nearest
+        self.edge.as_ref()?.nearest
     }
 
     /// Takes the last piece at its set-points behind `shown_ns`, if it leads out of reach: positions and findings. Returns how
