@@ -33,6 +33,10 @@ pub enum AxisSource {
 pub struct MachineAxes {
     transform: Box<dyn Kinematics>,
     sources: Vec<AxisSource>,
+    /// The axes are the outputs of the transform, in their order.
+    is_in_order: bool,
+    /// The transform uses x, y and z.
+    is_spatial: bool,
     /// Coordinates that move something.
     coordinates: Vec<Coordinate>,
     tool: Vector3<f64>,
@@ -98,7 +102,10 @@ impl MachineAxes {
         let beyond = beyond(&*transform, tool);
         let periods = vec![None; sources.len()];
         let transform = transform.holding(&tool);
-        Ok(Self { transform, sources, coordinates, tool, beyond, periods })
+        let is_in_order = sources.iter().copied().eq((0..outputs).map(AxisSource::Transform));
+        let used = transform.coordinates();
+        let is_spatial = Coordinate::TRANSLATIONS.iter().all(|one| used.contains(one));
+        Ok(Self { transform, sources, is_in_order, is_spatial, coordinates, tool, beyond, periods })
     }
 
     /// The same machine with axes that show their position within a period (m or rad; `None`: as far as they go):
@@ -148,6 +155,9 @@ impl MachineAxes {
 
     /// The outputs of the transform among machine axis values.
     fn outputs(&self, axes: &AxisVector) -> AxisVector {
+        if self.is_in_order {
+            return *axes;
+        }
         let mut outputs = AxisVector::zeros(self.transform.axis_count());
         for (value, source) in axes.iter().zip(&self.sources) {
             if let AxisSource::Transform(output) = *source
@@ -175,6 +185,9 @@ impl MachineAxes {
         flange: &Vector3<f64>,
         additional: Option<&AxisVector>,
     ) -> AxisVector {
+        if self.is_in_order {
+            return *outputs;
+        }
         AxisVector::from_values(self.sources.iter().enumerate().map(|(place, source)| {
             let value = match *source {
                 AxisSource::Transform(output) => outputs.get(output).copied(),
@@ -242,6 +255,9 @@ impl MachineAxes {
 
     /// The coordinates of `flange` that the transform uses, 0 for the others.
     fn part_of_transform(&self, flange: &Vector3<f64>) -> Vector3<f64> {
+        if self.is_spatial {
+            return *flange;
+        }
         let mut part = Vector3::zeros();
         for coordinate in self.transform.coordinates() {
             *coordinate.of_mut(&mut part, &mut 0.0) = coordinate.of(flange, 0.0);
