@@ -4,14 +4,17 @@ use super::interpolator::{Interpolator, Stop};
 use super::look_ahead::{Ahead, LookAhead};
 use super::profile::{Limits, Profile};
 use super::ramp::Smoothness;
-use super::run::{Motion, Run};
+use super::run::Motion;
 use super::spans::{Leg, Now, decide};
 use super::{Source, ToolSetpoint, VelocityMode};
 use crate::planned_motion::Instant;
-use twin_path::prepare::CheckedElement;
+use twin_path::{ElementKind, prepare::CheckedElement};
 
 /// A velocity above the feed by less than this part of it is the feed.
 const ROUNDING: f64 = 1e-12;
+
+/// Set-points are not left out while so many recorded pieces are waiting.
+const MOST_WAITING: usize = 64;
 
 /// Action for the present motion in the present cycle.
 enum Due {
@@ -36,12 +39,7 @@ where
         if self.inputs.emergency_stop && self.hold() {
             return self.sample();
         }
-        if self.leaves_out
-            && !self.attention
-            && let Some(end) = self.run.as_ref().and_then(Run::end_of_sampled)
-        {
-            self.now_ns = end.first_cycle(self.now_ns, self.cycle_ns);
-        }
+        let leaves_out = self.leave_out();
         loop {
             let run = self.run.as_mut()?;
             let due = match &mut run.motion {
@@ -78,6 +76,7 @@ where
                 }
             };
             match due {
+                Due::Sample if leaves_out && self.pass_unseen() => {}
                 Due::Sample => break,
                 Due::Over => {
                     if let Some(reached) = self.motion_over() {
@@ -97,6 +96,26 @@ where
         }
         self.follow();
         self.sample()
+    }
+
+    /// Leaves out what is left of the set-points of the motion under way, if nobody needs them. True if it was along the path.
+    fn leave_out(&mut self) -> bool {
+        let run = self.run.as_ref().filter(|_| self.leaves_out && !self.attention);
+        let Some((run, end)) = run.and_then(|run| Some((run, run.end_of_sampled()?))) else {
+            return false;
+        };
+        self.now_ns = end.first_cycle(self.now_ns, self.cycle_ns);
+        matches!(run.motion, Motion::Along { .. })
+    }
+
+    /// Leaves out all set-points of a cut of which the recorded pieces say everything, unless many of these are waiting.
+    fn pass_unseen(&mut self) -> bool {
+        let Some((pieces, turning)) = &self.record else { return false };
+        let Some(run) = &mut self.run else { return false };
+        let is_plain = run.element.kind == ElementKind::Cut && run.element.details.is_none();
+        let is_under_way = run.start.until(self.now_ns) > 0.0;
+        run.sampled = is_plain && is_under_way && !turning && pieces.len() < MOST_WAITING;
+        self.leave_out()
     }
 
     /// True if it rests and has to.

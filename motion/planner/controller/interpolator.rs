@@ -160,8 +160,8 @@ where
         self.record = Some((VecDeque::new(), turning));
     }
 
-    /// Leaves out the set-points of every motion but its first, for those who take the recorded pieces. Elements with
-    /// switches and profiles without steps of the acceleration keep all of them.
+    /// Leaves out the set-points of every motion but its first, for those who take the recorded pieces, and of cuts mostly that,
+    /// too. Elements with switches and profiles without steps of the acceleration keep all of them.
     pub fn leave_out_cycles(&mut self) {
         self.leaves_out = true;
     }
