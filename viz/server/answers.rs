@@ -100,12 +100,8 @@ fn is_ours(request: &Request, local_only: bool) -> bool {
         name.eq_ignore_ascii_case("localhost")
             || name.parse::<IpAddr>().is_ok_and(|ip| ip.is_loopback())
     };
-    let from_us = match headers.contains_key(ORIGIN) {
-        true => {
-            only(headers, &ORIGIN).and_then(|origin| origin.strip_prefix("http://")) == Some(host)
-        }
-        false => true,
-    };
+    let origin = only(headers, &ORIGIN).and_then(|origin| origin.strip_prefix("http://"));
+    let from_us = origin == Some(host) || !headers.contains_key(ORIGIN);
     request.uri().authority().is_none() && from_us && (!local_only || names_us())
 }
 

@@ -164,11 +164,12 @@ fn slow_clients_keep_neither_others_waiting_nor_the_viewer_from_ending() {
     };
     let slow: Vec<_> = (0..200).map(slow).collect();
     assert_eq!(status_of(&viewer, "GET", "/", "localhost"), 200);
-    let (sender, ended) = std::sync::mpsc::channel();
-    std::thread::spawn(move || {
+    let (sender, ended) = std::sync::mpsc::sync_channel(1);
+    let end = move || {
         drop(viewer);
         sender.send(()).unwrap();
-    });
+    };
+    std::thread::Builder::new().name("end".to_owned()).spawn(end).unwrap();
     // It takes a quarter of a second.
     ended.recv_timeout(std::time::Duration::from_secs(20)).unwrap();
     drop(slow);

@@ -121,7 +121,7 @@ impl BandProgram<'_> {
 /// The rows in the order of their first variables.
 #[derive(Debug)]
 struct Rows {
-    rows: Vec<Row>,
+    all: Vec<Row>,
     /// Where those of each variable begin, and where the last ones end.
     begins: Vec<usize>,
     /// Where each of the program's rows is.
@@ -173,12 +173,12 @@ impl Rows {
             place
         };
         let places = given.iter().map(place).collect();
-        Self { rows, begins, places }
+        Self { all: rows, begins, places }
     }
 
     /// The rows of each variable.
     fn groups(&mut self) -> impl Iterator<Item = &mut [Row]> {
-        let mut left = self.rows.as_mut_slice();
+        let mut left = self.all.as_mut_slice();
         self.begins.windows(2).map(move |ends| {
             let group = left.split_off_mut(..ends[1] - ends[0]);
             group.unwrap_or_default()
@@ -266,7 +266,7 @@ impl Rows {
 
     /// Those of the program's rows.
     fn multipliers(&self) -> Vec<f64> {
-        self.places.iter().map(|place| self.rows[*place].z).collect()
+        self.places.iter().map(|place| self.all[*place].z).collect()
     }
 }
 

@@ -318,7 +318,7 @@ fn of_very_many_problems_the_first_are_shown() {
     use std::fmt::Write;
     let mut text = SHORT.to_owned();
     for number in 0..1234 {
-        write!(text, "[u{number}]\n").unwrap();
+        writeln!(text, "[u{number}]").unwrap();
     }
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), &text).unwrap();
