@@ -81,7 +81,7 @@ impl Findings {
     /// Counts a finding that is not kept.
     fn leave_out(&mut self, key: (Severity, Key)) {
         let (_, (line, ..)) = key;
-        // If all lines up to one come before this line, none of them is this line.
+        // Entries up to one whose last line comes before this line are of other lines.
         let mut near = self.left_out_lately.iter().rev().take_while(|(last, _)| *last >= line);
         if !near.any(|(_, known)| *known == key) {
             self.left_out += 1;

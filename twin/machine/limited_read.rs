@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Bytes of a table at most: more than a cam of as many points as there may be, with every digit.
 const MOST_BYTES: u64 = 256 << 20;
-/// Bytes of a file in a language that is read as a whole, as TOML and XML are: for each there are some dozen in memory.
+/// Bytes of a TOML or XML file at most. It is read as a whole and needs many times its size in memory.
 const MOST_TEXT: u64 = 16 << 20;
 
 /// The bytes of a table in text; what has no end, as a device may, ends with an error.

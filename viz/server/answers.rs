@@ -31,7 +31,7 @@ const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; 
 const PAGE: &str = include_str!("page.html");
 const SCRIPT: &str = include_str!("page.js");
 
-/// What the answers are made from.
+/// Data of the answers.
 struct Site {
     page: String,
     assets: Arc<WebViewerData>,
@@ -79,7 +79,7 @@ pub(super) fn router(
         .with_state(site)
 }
 
-/// Answers only what a page of ours asks.
+/// Refuses requests that do not come from the page of this server, and all methods but GET.
 async fn refuse_others(State(site): State<Arc<Site>>, request: Request, next: Next) -> Response {
     if !is_ours(&request, site.local_only) {
         StatusCode::FORBIDDEN.into_response()

@@ -46,13 +46,13 @@ pub(super) async fn serve(listener: TcpListener, router: Router, mut stop: watch
     }
     drop(listener);
     let all = async { while connections.join_next().await.is_some() {} };
-    // Who has not taken the answer by then does not get it.
+    // Answers that clients have not taken by then are dropped.
     drop(timeout(GRACE, all).await);
 }
 
 /// Answers the requests of one connection.
 async fn answer(stream: TcpStream, router: Router, mut stop: watch::Receiver<bool>) {
-    // Where the system does not know it, slow clients are only bounded in number.
+    // Not every system has this limit; the number of connections is limited in any case.
     set_tcp_user_timeout(&stream, TAKING_MS).unwrap_or_default();
     let mut connection = pin!(
         http1::Builder::new()
@@ -62,7 +62,7 @@ async fn answer(stream: TcpStream, router: Router, mut stop: watch::Receiver<boo
             .max_headers(MOST_LINES)
             .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
     );
-    // An error is one broken connection; the next one may be well.
+    // An error ends this connection only.
     tokio::select! {
         ended = connection.as_mut() => drop(ended),
         _ = stop.changed() => {

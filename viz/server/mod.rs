@@ -152,7 +152,7 @@ impl Drop for Viewer {
     }
 }
 
-/// Runs the calling thread when no other has something to do: a page must not keep a run from its drives.
+/// Gives the calling thread the lowest priority, so that the page does not delay a run.
 fn lower_priority() {
     let policy = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Idle);
     // Where the system refuses, the page is served all the same.

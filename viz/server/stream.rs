@@ -38,7 +38,7 @@ impl Growing {
             if was_complete {
                 break;
             }
-            // Over: time to look again, or nobody who could say stop.
+            // Either the time is over, or the server ends.
             drop(tokio::time::timeout(POLL, self.stop.changed()).await);
         }
         Ok(None)

@@ -13,7 +13,7 @@ use twin_path::{ElementKind, prepare::CheckedElement};
 /// A velocity above the feed by less than this part of it is the feed.
 const ROUNDING: f64 = 1e-12;
 
-/// Set-points are not left out while so many recorded pieces are waiting.
+/// Largest number of recorded pieces that wait while set-points are left out.
 const MOST_WAITING: usize = 64;
 
 /// Action for the present motion in the present cycle.
@@ -108,7 +108,7 @@ where
         matches!(run.motion, Motion::Along { .. })
     }
 
-    /// Leaves out all set-points of a cut of which the recorded pieces say everything, unless many of these are waiting.
+    /// Leaves out all set-points of a cut of which the recorded pieces say everything, unless [`MOST_WAITING`] of these wait.
     fn pass_unseen(&mut self) -> bool {
         let Some((pieces, turning)) = &self.record else { return false };
         let Some(run) = &mut self.run else { return false };
