@@ -1,6 +1,6 @@
 //! Monotonic session clock: the only place that reads the time.
 
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// The session's clock: nanoseconds since an instant that it can be set to, monotonic.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +28,14 @@ impl Clock {
             Some(since) => nanoseconds(since),
             None => -nanoseconds(self.zero - now),
         }
+    }
+
+    /// How far the calendar's clock is ahead of this one, ns: that changes when the computer has slept, during which this
+    /// clock stands still, or when the calendar's clock is set.
+    #[expect(clippy::disallowed_methods, reason = "this is the session's clock")]
+    pub(crate) fn calendar_ahead_ns(&self) -> i64 {
+        let calendar = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        nanoseconds(calendar.unwrap_or_default()).saturating_sub(self.now_ns())
     }
 
     /// Sleeps until it reads `time_ns`; not at all if it does already.

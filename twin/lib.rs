@@ -33,6 +33,7 @@
 #[macro_use]
 mod stderr;
 
+pub mod approach;
 pub mod attached;
 pub mod check;
 pub mod clock;

@@ -49,6 +49,38 @@ pub(crate) fn command(machine: &Machine, device: usize, address: usize) -> Optio
     Some(command + &deadline + &assumed.collect::<String>())
 }
 
+/// The command that moves an axis of the machine by hand, to a position (m or rad) or by ten millimetres or degrees, at this
+/// part of its largest velocity where the command wants one.
+pub(crate) fn move_by_hand(
+    machine: &Machine,
+    axis: usize,
+    to: Option<f64>,
+    part: f64,
+) -> Option<String> {
+    let axis = machine.axes.get(axis)?;
+    let (place, counting) = (axis.drive.as_ref()?, axis.counting()?);
+    let device = machine.drives.get(place.device)?;
+    let command = command(machine, place.device, place.index)?;
+    let (word, counts) = match to {
+        Some(to) => ("move", counting.whole(to)?),
+        None => ("jog", counting.whole(axis.to_si(10.0))?),
+    };
+    let speed = (counting.increments(axis.max_velocity).abs() * part).max(1.0);
+    Some(match device.family() {
+        DriveFamily::InterpCnc(_) => {
+            format!(
+                "{command} {word} {} {counts} --speed {speed:.0}",
+                device.axis_name(place.index)
+            )
+        }
+        DriveFamily::SmartDrive(_) => format!("{command} {word} {counts}"),
+        DriveFamily::Bim2Ax(_) => {
+            format!("{command} {word} {} {counts}", device.axis_name(place.index))
+        }
+        DriveFamily::Other => return None,
+    })
+}
+
 /// The command that gives a parameter of a device a value, which may be a word for one.
 pub(crate) fn set_to(
     machine: &Machine,

@@ -165,6 +165,20 @@ pub(super) fn rapid_hint(cap: f64) -> String {
     format!("lower `rapid_velocity_mm_per_s` in [rs274] of the machine file{now}")
 }
 
+/// A distance (rad or m) between set-point and drive above `limit` in a run, with its probable cause.
+pub(super) fn drive_was_too_far(
+    axis: &Axis,
+    place: Place,
+    error: f64,
+    limit: f64,
+    cause: &str,
+) -> Finding {
+    let quantity = Quantity { name: "error of its drive", units: ["deg", "mm"] };
+    let mut finding = too_much(axis, Rule::FollowingError, &quantity, place, error, limit);
+    finding.message = format!("{}: {cause}", finding.message);
+    finding
+}
+
 /// A distance (rad or m) between set-point and drive above `limit`, as its rehearsal foresees it.
 pub(super) fn drive_too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Finding {
     let quantity = Quantity { name: "predicted error of its drive", units: ["deg", "mm"] };

@@ -53,7 +53,7 @@ pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
 pub use options::{CheckFailure, CheckOptions};
 pub(crate) use plan_check::PlanCheck;
 use rehearsal::Rehearsal;
-pub use run_findings::{faults_to_come, following_errors, happening, happenings};
+pub use run_findings::{drive_errors, faults_to_come, following_errors, happening, happenings};
 use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
 use twin_machine::Machine;

@@ -18,6 +18,17 @@ pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Findi
     beyond.collect()
 }
 
+/// Following errors of the drives in a run that are beyond the limits of the machine file, with their probable `cause`.
+pub fn drive_errors(machine: &Machine, comparison: &Comparison, cause: &str) -> Vec<Finding> {
+    let axes = machine.axes.iter().zip(&comparison.axes);
+    let beyond = axes.filter_map(|(axis, statistics)| {
+        let (error, place) = statistics.drives.maximum()?;
+        let limit = axis.max_following_error.filter(|limit| exceeds(error, *limit))?;
+        Some(messages::drive_was_too_far(axis, place, error, limit, cause))
+    });
+    beyond.collect()
+}
+
 /// The faults that a run to its end has not begun.
 pub fn faults_to_come(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
     record.faults_to_come.iter().map(|fault| messages::never_began(machine, fault)).collect()

@@ -52,7 +52,12 @@ enum Halted {
 }
 
 impl Device {
-    pub(super) fn run(mut self, target: &Increments, speed: &[f64; MAX_DRIVE_AXES]) {
+    /// Works until the axes rest, and gives the driver back.
+    pub(super) fn run(
+        mut self,
+        target: &Increments,
+        speed: &[f64; MAX_DRIVE_AXES],
+    ) -> Box<dyn Drive> {
         let unsaid = match self.guarded(|device| device.work(target, speed)) {
             Ok(()) => Some(Ok(Event::AtRest)),
             Err(error) => {
@@ -79,6 +84,7 @@ impl Device {
             // A session that has ended hears no error.
             self.sender.send(last).unwrap_or_default();
         }
+        self.drive
     }
 
     /// A driver that panics leaves axes that go on to where they were sent: they are to be stopped as after any error.

@@ -299,6 +299,11 @@ impl Hardware {
         }));
     }
 
+    /// The drivers of the devices whose threads have ended.
+    pub fn take_drives(&mut self) -> Vec<Attached> {
+        self.units.iter_mut().filter_map(Unit::take_drive).collect()
+    }
+
     /// True while a device's thread runs.
     pub fn is_running(&self) -> bool {
         self.units.iter().any(Unit::is_running)

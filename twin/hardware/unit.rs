@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, Sample, SetpointStream};
+use twin_drives::{Drive, IncrementMotion, MAX_DRIVE_AXES, Sample, SetpointStream};
 use twin_kinematics::AxisVector;
 use twin_machine::{Counting, Machine};
 
@@ -59,7 +59,7 @@ pub(super) struct Unit {
     stream: Arc<Stream>,
     order: Arc<AtomicU8>,
     events: Receiver<Result<Event, HardwareError>>,
-    thread: Option<JoinHandle<()>>,
+    thread: Option<JoinHandle<Box<dyn Drive>>>,
     pub(super) axes: Vec<Mapping>,
     switches: SyncSender<Switch>,
     /// Enabled, its axes at the start of the program.
@@ -242,6 +242,13 @@ impl Unit {
         }
     }
 
+    /// The driver, once the device's thread has ended; it may be had once.
+    pub(super) fn take_drive(&mut self) -> Option<Attached> {
+        let thread = self.thread.take_if(|thread| thread.is_finished())?;
+        let drive = thread.join().ok()?;
+        Some(Attached { device: self.index, drive })
+    }
+
     /// True while the device's thread runs.
     pub(super) fn is_running(&self) -> bool {
         self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
@@ -275,7 +282,7 @@ impl Drop for Unit {
                 while self.events.try_recv().is_ok() {}
                 std::thread::sleep(Duration::from_millis(1));
             }
-            thread.join().unwrap_or_default();
+            drop(thread.join());
         }
     }
 }

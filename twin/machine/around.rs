@@ -1,6 +1,6 @@
 //! Surroundings of a machine for probing moves: clearance of its tool to the obstacles of its file.
 
-use crate::approach::{Approach, Clearance};
+use crate::probe_trip::{Clearance, TripSearch};
 use crate::{DirectionRule, Machine};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ pub(crate) fn surroundings(machine: &Machine) -> Option<Surroundings> {
         near: machine.middle(),
         scan,
     };
-    (!around.scan.is_empty()).then(|| Surroundings::new(move || Approach::new(around.clone())))
+    (!around.scan.is_empty()).then(|| Surroundings::new(move || TripSearch::new(around.clone())))
 }
 
 impl Clearance for Around {

@@ -1,5 +1,6 @@
 //! `[program]` and `[rs274]`: initial conditions of programs.
 
+use crate::approach::{self, ApproachRule};
 use crate::axis_pace::{ACCELERATION, Along, AxisPace, RAPID_VELOCITY};
 use crate::section::Section;
 use crate::text::Text;
@@ -25,6 +26,8 @@ pub struct ProgramConditions {
     pub start: [f64; 3],
     /// And the additional axes P Q U V W, u.
     pub start_additional: ExtraPosition,
+    /// The way of the drives to the start.
+    pub approach: ApproachRule,
     /// Turns of the path up to this angle are passed without a stop, rad.
     pub angle_tolerance: f64,
     /// True if there are stops at all: rapids, sharper turns, M functions and dwells. Only comparisons do without.
@@ -101,6 +104,7 @@ impl Default for ProgramConditions {
         Self {
             start: [0.0; 3],
             start_additional: ExtraPosition::default(),
+            approach: ApproachRule::default(),
             angle_tolerance: ANGLE_TOLERANCE,
             stops: true,
             preparation: PreparationInputs::default(),
@@ -123,6 +127,7 @@ pub(super) fn read(root: &Section<'_>, file: &Path, has_drives: bool) -> Program
     let angle_tolerance = program
         .number("angle_tolerance_deg", 0.0..=180.0)
         .map_or(defaults.angle_tolerance, f64::to_radians);
+    let approach = approach::read(&program);
     program.finish();
 
     let start = start.map(|value| value * 1e-3);
@@ -132,7 +137,15 @@ pub(super) fn read(root: &Section<'_>, file: &Path, has_drives: bool) -> Program
         ..read_rs274(&root.section("rs274"), file, has_drives, &defaults.rs274)
     };
     let preparation = read_preparation(&root.section("preparation"));
-    ProgramConditions { start, start_additional, angle_tolerance, preparation, rs274, ..defaults }
+    ProgramConditions {
+        start,
+        start_additional,
+        approach,
+        angle_tolerance,
+        preparation,
+        rs274,
+        ..defaults
+    }
 }
 
 fn read_preparation(section: &Section<'_>) -> PreparationInputs {

@@ -16,7 +16,7 @@
 //! ```
 
 mod additional_axis;
-pub mod approach;
+mod approach;
 mod around;
 mod axis;
 pub mod axis_couplings;
@@ -39,6 +39,7 @@ mod m_functions;
 mod payload;
 mod physics;
 mod plan_limits;
+pub mod probe_trip;
 mod scenario;
 pub mod section;
 mod simulated;
@@ -53,6 +54,7 @@ pub mod text;
 mod tool;
 
 use crate::section::FileKind;
+pub use approach::{ApproachOrder, ApproachRule};
 pub use axis::Axis;
 pub use axis_drive::{AxisDrive, Switches};
 pub use axis_pace::{Along, AxisPace};

@@ -209,6 +209,17 @@ impl Machine {
         Ok(Some(scan).filter(|scan| !scan.is_empty()))
     }
 
+    /// The same, and the tool and the stock, for motion that must not cut.
+    ///
+    /// # Errors
+    /// [`PhysicsError`].
+    pub fn scan_without_cuts(&self) -> Result<Option<ClearanceScan>, PhysicsError> {
+        let Some(collision) = &self.collision else { return Ok(None) };
+        let (axes, surroundings) = (self.axes.len(), &collision.surroundings);
+        let scan = ClearanceScan::without_cuts(&self.model, axes, surroundings)?;
+        Ok(Some(scan).filter(|scan| !scan.is_empty()))
+    }
+
     /// Meshes of these parts that are not closed, with the number of open edges.
     pub fn open_meshes(&self) -> Vec<(String, usize)> {
         let Some(collision) = &self.collision else { return Vec::new() };

@@ -41,11 +41,21 @@ impl ClearanceScan {
     /// Those of [`Self::new`].
     pub fn of_tool(model: &Model, axis_count: usize, surroundings: &Surroundings) -> Result<Self> {
         Self::with(model, axis_count, surroundings, |pairs, numbers| {
-            let [Some(one), Some(other)] = numbers.map(|number| pairs.part(number)) else {
-                return false;
-            };
-            let is_there = matches!(other, Part::Obstacle(_));
-            one == Part::Tool && is_there && !surroundings.names([one, other])
+            meets_tool(pairs, numbers, surroundings)
+        })
+    }
+
+    /// Scan of all pairs, and of the tool and the stock, for motion that must not cut.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn without_cuts(
+        model: &Model,
+        axis_count: usize,
+        surroundings: &Surroundings,
+    ) -> Result<Self> {
+        Self::with(model, axis_count, surroundings, |pairs, [one, other]| {
+            pairs.may_touch(one, other) || meets_tool(pairs, [one, other], surroundings)
         })
     }
 
@@ -154,4 +164,11 @@ impl ClearanceScan {
         std::mem::swap(&mut self.poses, &mut self.moved);
         Ok(())
     }
+}
+
+/// True for the tool and any obstacle, stock included.
+fn meets_tool(pairs: &Pairs, numbers: [usize; 2], surroundings: &Surroundings) -> bool {
+    let [Some(one), Some(other)] = numbers.map(|number| pairs.part(number)) else { return false };
+    let is_there = matches!(other, Part::Obstacle(_));
+    one == Part::Tool && is_there && !surroundings.names([one, other])
 }

@@ -27,6 +27,7 @@ use std::time::Duration;
 use twin_kinematics::AxisVector;
 use twin_machine::axis_couplings::AxesError;
 use twin_machine::{Machine, SimulationError};
+use twin_number::seconds;
 use twin_path::Place;
 use twin_physics::{MotorState, PhysicsError};
 
@@ -158,9 +159,23 @@ impl Ending {
         }
     }
 
+    /// How long this computer stood still before the drives failed, ns, if longer than the plan of the drives lasts.
+    pub fn standstill_ns(&self) -> Option<i64> {
+        let failed = matches!(self.stopped, Some(Stopped::Drives { .. }));
+        self.punctuality.as_ref().filter(|_| failed)?.standstill_ns()
+    }
+
     /// Reason of a stop before the end of the program, and the way to rest, in words.
     pub fn reason(&self) -> Option<String> {
-        let mut reason = self.stopped.as_ref()?.to_string();
+        let stopped = self.stopped.as_ref()?;
+        let mut reason = stopped.to_string();
+        if let Some(standstill_ns) = self.standstill_ns() {
+            let standstill = seconds(standstill_ns);
+            reason = format!(
+                "{reason}; this computer stood still for {standstill:.1} s before: the process was stopped, or the computer slept \
+                 or was overloaded"
+            );
+        }
         for cause in &self.restarted {
             reason = format!("{reason}; {cause}");
         }
@@ -305,7 +320,10 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         let clock = Clock::in_future(lead);
         run.begin(clock, paced);
         let round_ns = self.machine.cycle_ns.clamp(1, ROUND_NS);
+        let mut calendar_ns = clock.calendar_ahead_ns();
         while run.goes_on() {
+            let before_ns = std::mem::replace(&mut calendar_ns, clock.calendar_ahead_ns());
+            run.record_sleep(calendar_ns.saturating_sub(before_ns));
             let now_ns = if paced { clock.now_ns() } else { run.executed_ns() + BATCH_NS };
             run.handle_interrupt(interrupts());
             run.heed_override(observer);

@@ -1,5 +1,6 @@
 //! Cycle lateness of a run in step with the wall clock.
 
+use crate::setpoint::HORIZON_NS;
 use hdrhistogram::Histogram;
 
 /// Longest lateness that is distinguished from longer ones, µs: a minute.
@@ -13,12 +14,14 @@ const LONGEST_US: u64 = 60_000_000;
 pub struct Punctuality {
     /// µs, three digits; none if there is no room for it.
     lateness: Option<Histogram<u64>>,
+    /// Longest sleep of the computer, ns.
+    slept_ns: i64,
 }
 
 impl Punctuality {
     /// Of a run without cycles so far.
     pub(super) fn new() -> Self {
-        Self { lateness: Histogram::new_with_max(LONGEST_US, 3).ok() }
+        Self { lateness: Histogram::new_with_max(LONGEST_US, 3).ok(), slept_ns: 0 }
     }
 
     /// A cycle that was due at `due_ns` has been taken up at `taken_ns`.
@@ -27,6 +30,18 @@ impl Punctuality {
         if let Some(lateness) = &mut self.lateness {
             lateness.saturating_record(late_us);
         }
+    }
+
+    /// The computer has slept, so that the session's clock stood still as well.
+    pub(super) fn slept(&mut self, slept_ns: i64) {
+        self.slept_ns = self.slept_ns.max(slept_ns);
+    }
+
+    /// Longest time for which this computer did not look after the run, ns, if the plan of the drives does not last so
+    /// long ([`HORIZON_NS`]): the process was stopped, or the computer slept or was overloaded.
+    pub fn standstill_ns(&self) -> Option<i64> {
+        let late_ns = i64::try_from(self.max_us()).unwrap_or(i64::MAX).saturating_mul(1000);
+        Some(late_ns.max(self.slept_ns)).filter(|longest| *longest > HORIZON_NS)
     }
 
     /// Number of cycles.
@@ -63,6 +78,18 @@ mod tests {
         assert_eq!(punctuality.percentile_us(50.0), 500);
         assert_eq!(punctuality.percentile_us(99.0), 990);
         assert_eq!(punctuality.max_us(), 1000);
+    }
+
+    #[test]
+    fn a_standstill_is_longer_than_the_plan_ahead() {
+        let mut punctuality = Punctuality::new();
+        punctuality.record(0, 249_000_000);
+        assert_eq!(punctuality.standstill_ns(), None);
+        punctuality.slept(700_000_000);
+        assert_eq!(punctuality.standstill_ns(), Some(700_000_000));
+        punctuality.record(1_000_000, 2_001_000_000);
+        let late_ns = punctuality.standstill_ns().unwrap();
+        assert!((late_ns - 2_000_000_000).abs() < 3_000_000, "{late_ns}");
     }
 
     #[test]

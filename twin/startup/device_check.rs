@@ -300,10 +300,15 @@ impl<'a> DeviceCheck<'a> {
                 (_, Some(true)) => format!("axis {name}: homed"),
                 (Homed::Said, None) if obeys => {
                     let counts = counts.and_then(|counts| counts.get(slot).copied());
-                    let zero = if counts == Some(0) { ZERO } else { "" };
-                    format!(
-                        "axis {name}: homed according to --homed; the device cannot report it{zero}"
-                    )
+                    let message = format!(
+                        "axis {name}: homed according to --homed; the device cannot report it"
+                    );
+                    if counts == Some(0) {
+                        self.looked.doubtful.push(name.clone());
+                        self.note(message + ZERO, Vec::new());
+                        continue;
+                    }
+                    message
                 }
                 (_, known) => {
                     let why = match (known, obeys) {

@@ -10,6 +10,7 @@ mod limits;
 mod line;
 mod parameters;
 mod switches;
+mod way;
 
 use crate::attached::Attached;
 use crate::clock::Clock;
@@ -17,8 +18,10 @@ use crate::repair_commands;
 use device_check::DeviceCheck;
 pub use homing::{HomingError, home, home_by_hand, longest_way, way_in_all};
 use std::fmt;
-use twin_drives::{IncrementMotion, Increments, MAX_DRIVE_AXES, SetpointStream};
+use twin_drives::{DriveError, IncrementMotion, Increments, MAX_DRIVE_AXES, SetpointStream};
+use twin_kinematics::AxisVector;
 use twin_machine::{Axis, Machine};
+pub use way::{homing_way, said, way};
 
 /// Verdict of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,6 +98,8 @@ pub struct Looked {
     pub checks: Vec<Check>,
     /// Counters of its axes, if they could be read.
     pub position: Option<Increments>,
+    /// Axes that are homed only according to the user and count 0, as after their drive was switched on, by name.
+    pub doubtful: Vec<String>,
 }
 
 /// Set-point stream without a plan, for checks of drives at rest.
@@ -160,6 +165,29 @@ fn in_units(axis: &Axis, counts: [i64; 2]) -> [f64; 2] {
         counting.map_or(0.0, |counting| axis.from_si(counting.si(count as f64)))
     });
     [one.min(other), one.max(other)]
+}
+
+/// Positions of all axes of the machine as their devices count them now, m or rad.
+///
+/// # Errors
+/// If a device does not answer.
+pub fn positions(machine: &Machine, drives: &mut [Attached]) -> Result<AxisVector, DriveError> {
+    let mut positions = AxisVector::zeros(machine.axes.len());
+    for attached in drives {
+        let found = attached.drive.probe(&Still(Clock::start()))?.position;
+        include(machine, attached.device, &found, &mut positions);
+    }
+    Ok(positions)
+}
+
+/// Takes the counters of a device into the positions of the axes of the machine, m or rad.
+pub fn include(machine: &Machine, device: usize, found: &Increments, positions: &mut AxisVector) {
+    for (slot, (index, axis)) in machine.axes_of(device).enumerate() {
+        let counted = position(axis, slot, found).map(|position| axis.to_si(position));
+        if let (Some(counted), Some(place)) = (counted, positions.get_mut(index)) {
+            *place = counted;
+        }
+    }
 }
 
 /// Position of an axis on a device, by its place among the device's axes, in the axis's unit.

@@ -7,7 +7,7 @@ use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ElementItem, ProgramFile};
 use twin_gcode::rs274::{Position, ProbePath, ProbeTarget, Surroundings};
 use twin_machine::Machine;
-use twin_machine::approach::{Approach, Clearance, RELEASE, TOUCH};
+use twin_machine::probe_trip::{Clearance, RELEASE, TOUCH, TripSearch};
 use twin_path::{ElementKind, PathElement, Place, ProbeOutcome, ProbeTrip, Probing};
 
 /// Start at 0, 0, 20; Z from -60 to 120 mm.
@@ -58,7 +58,7 @@ fn floor(z_mm: f64) -> Plane {
 fn above(plane: Plane) -> Machine {
     let mut machine = load(GANTRY3);
     machine.conditions.rs274.surroundings =
-        Some(Surroundings::new(move || Approach::new(plane.clone())));
+        Some(Surroundings::new(move || TripSearch::new(plane.clone())));
     machine
 }
 
@@ -162,11 +162,12 @@ fn lines_meet_planes() {
         let along: f64 = (0..3).map(|axis| (to[axis] - from[axis]) * normal[axis]).sum();
         let height: f64 = (0..3).map(|axis| (from[axis] - plane.point[axis]) * normal[axis]).sum();
         let expected = -height / along;
-        let found = Approach::new(plane.clone()).trip(&path(from, to, ProbeTrip::Touch)).unwrap();
+        let found = TripSearch::new(plane.clone()).trip(&path(from, to, ProbeTrip::Touch)).unwrap();
         let slack = (2e-9 + 1.1 * TOUCH) / along.abs();
         assert!((found - expected).abs() < slack, "{found} is not {expected}");
         // And back out of it.
-        let back = Approach::new(plane.clone()).trip(&path(to, from, ProbeTrip::Release)).unwrap();
+        let back =
+            TripSearch::new(plane.clone()).trip(&path(to, from, ProbeTrip::Release)).unwrap();
         let expected = (RELEASE - (height + along)) / -along;
         assert!((back - expected).abs() < slack, "{back} is not {expected}");
     }
@@ -184,7 +185,7 @@ impl Clearance for Nowhere {
 
 #[test]
 fn moves_that_do_not_trip() {
-    let mut target = Approach::new(floor(0.0));
+    let mut target = TripSearch::new(floor(0.0));
     let (up, down) = ([0.0, 0.0, 0.1], [0.0, 0.0, -0.1]);
     for (from, to, trips, expected) in [
         (up, [0.0, 0.0, 0.01], ProbeTrip::Touch, None),
@@ -195,7 +196,7 @@ fn moves_that_do_not_trip() {
     ] {
         assert_eq!(target.trip(&path(from, to, trips)), expected, "{from:?} {to:?} {trips:?}");
     }
-    assert_eq!(Approach::new(Nowhere).trip(&path(up, down, ProbeTrip::Touch)), None);
+    assert_eq!(TripSearch::new(Nowhere).trip(&path(up, down, ProbeTrip::Touch)), None);
 }
 
 /// A rotary axis that lifts the machine by a millimetre a degree.
@@ -210,7 +211,7 @@ fn rotary_axes_alone() {
     }
     let mut turned = path([0.0; 3], [0.0; 3], ProbeTrip::Touch);
     turned.start.rotary[0] = 90.0;
-    let found = Approach::new(Lift).trip(&turned).unwrap();
+    let found = TripSearch::new(Lift).trip(&turned).unwrap();
     assert!((found - 2.0 / 3.0).abs() < 1e-6, "{found}");
 }
 

@@ -37,6 +37,10 @@ use twin_number::counted;
 /// Part of each axis's largest velocity with which the drives approach the start of the program.
 const APPROACH: f64 = 0.25;
 
+/// Hint after a failure of the drives while nobody spoke to them.
+const STANDSTILL: &str = "nobody spoke to the drives meanwhile: look first for what stopped this process (Ctrl-Z, a debugger), \
+                          let the computer not sleep during a run, and keep heavy work off it";
+
 /// Run a program on the simulated machine and, from the same set-points, on drives; show how far apart they are
 ///
 /// The whole program is checked first, and nothing moves if it is not fit for the machine. Without drives the run
@@ -258,6 +262,10 @@ fn execute(
     };
     // What only a run shows.
     let mut behind = crate::check::following_errors(machine, &done.ending.comparison);
+    if arguments.drives == Drives::Emulated {
+        let cause = summary::cause_of_errors(&done.ending);
+        behind.extend(crate::check::drive_errors(machine, &done.ending.comparison, &cause));
+    }
     behind.extend(crate::check::happenings(machine, &done.ending.record));
     if done.ending.stopped.is_none() {
         behind.extend(crate::check::faults_to_come(machine, &done.ending.record));
@@ -288,7 +296,9 @@ fn execute(
     for line in whereabouts(machine, &done.ending.last_heard) {
         stderr!("{line}");
     }
-    if let Some(Stopped::Drives { source, .. }) = &done.ending.stopped
+    if done.ending.standstill_ns().is_some() {
+        stderr!("help: {STANDSTILL}");
+    } else if let Some(Stopped::Drives { source, .. }) = &done.ending.stopped
         && let Some(advice) = source.advice()
     {
         stderr!("help: {advice}");

@@ -117,6 +117,7 @@ pub(super) fn perform<'m>(
         axes,
         lines: ProgressLines::new(format!("running {}", program.path().display())),
         last_shown_ns: i64::MIN,
+        drive_error: None,
         samples: Heard::default(),
         prompt: Prompt::default(),
         keys: if paced { open_keys(program, stepping) } else { None },

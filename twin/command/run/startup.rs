@@ -3,6 +3,7 @@
 use super::agreed::{Asked, allowance, homing_speeds, moves};
 use super::interrupt::Interrupt;
 use super::{APPROACH, outputs, tell_not_stopped};
+use crate::approach::{FollowError, follow, lifting_axis};
 use crate::attached::Attached;
 use crate::check::Outcome;
 use crate::command::Failure;
@@ -14,6 +15,7 @@ use crate::startup;
 use crate::startup::{Check, Homed, Looked, Needs, Verdict};
 use indicatif::ProgressBar;
 use std::time::Duration;
+use twin_drives::Increments;
 use twin_drives::family::Emulator;
 use twin_kinematics::AxisVector;
 use twin_machine::{Axis, Machine};
@@ -59,7 +61,7 @@ impl StartUpOptions {
         let Some(names) = &self.home else { return Ok(Vec::new()) };
         if names.is_empty() {
             let axes = machine.axes.iter().enumerate().filter(|(_, axis)| driven(axis));
-            return Ok(axes.map(|(index, _)| index).collect());
+            return Ok(lifting_first(machine, axes.map(|(index, _)| index)));
         }
         let find = |name: &String| {
             let found = machine.axes.iter().position(|axis| axis.name == *name && driven(axis));
@@ -72,6 +74,14 @@ impl StartUpOptions {
         };
         names.iter().map(find).collect()
     }
+}
+
+/// The axes in the order in which they are homed: those that lift the tool and do nothing else first.
+fn lifting_first(machine: &Machine, axes: impl Iterator<Item = usize>) -> Vec<usize> {
+    let lifting = lifting_axis(machine, &machine.middle());
+    let (mut first, others): (Vec<_>, Vec<_>) = axes.partition(|axis| Some(*axis) == lifting);
+    first.extend(others);
+    first
 }
 
 /// Real drives that may move.
@@ -114,37 +124,44 @@ pub(super) fn real(
     let mut drives = Vec::new();
     let mut positions = Vec::new();
     let mut checks = Vec::new();
+    let mut doubtful = Vec::new();
     for (index, entry) in machine.drives.iter().enumerate() {
         if machine.axes_of(index).next().is_none() {
             continue;
         }
-        let Looked { checks: found, position } = match real::open(machine, (index, entry)) {
-            Ok(drive) => {
-                stderr!("device `{}`: {}", entry.name, drive.describe());
-                let mut attached = Attached { device: index, drive };
-                let looked = startup::look(machine, &mut attached, &needs);
-                drives.push(attached);
-                looked
-            }
-            Err(error) => {
-                let check = Check::failed(error.to_string(), error.advice());
-                Looked { checks: vec![check], position: None }
-            }
-        };
+        let Looked { checks: found, position, doubtful: of_device } =
+            match real::open(machine, (index, entry)) {
+                Ok(drive) => {
+                    stderr!("device `{}`: {}", entry.name, drive.describe());
+                    let mut attached = Attached { device: index, drive };
+                    let looked = startup::look(machine, &mut attached, &needs);
+                    drives.push(attached);
+                    looked
+                }
+                Err(error) => {
+                    let check = Check::failed(error.to_string(), error.advice());
+                    Looked { checks: vec![check], ..Looked::default() }
+                }
+            };
         for check in &found {
             stderr!("  {check}");
         }
         positions.push((index, position));
         checks.extend(found);
+        doubtful.extend(of_device);
     }
     refuse_failed(&checks)?;
     if drives.is_empty() {
         let path = machine.path.display();
         return Err(Failure::Usage(format!("{path}: no axis has a drive: nothing can move")));
     }
+    let ways = check_ways(machine, &positions, &to_home, start)?;
     let homing = homing_speeds(machine, &mut drives, &to_home);
     let asked = Asked { outcome, start, approach, homing };
     stderr!("{}", moves(machine, &positions, &to_home, &asked));
+    for way in ways {
+        stderr!("  {way}");
+    }
     stderr!("{}", allowance());
     for output in outputs::switched(machine, &drives, outcome) {
         stderr!("{output}");
@@ -154,6 +171,12 @@ pub(super) fn real(
     {
         stderr!("{note}");
     }
+    if !doubtful.is_empty() {
+        let axes = doubtful.join(", ");
+        options.consent.ask(&format!(
+            "take the positions of {axes}, which count 0, for true, as the axes were homed and are at their zero now"
+        ))?;
+    }
     let what = if to_home.is_empty() {
         "move these axes to the start of the program, and run it"
     } else {
@@ -161,6 +184,34 @@ pub(super) fn real(
     };
     options.consent.ask(what)?;
     Ok(Ready { drives, to_home })
+}
+
+/// The ways of the axes before the program, as they are planned now: that of homing, from where the axes count that they are,
+/// and that to the start. Nothing may be in the way.
+fn check_ways(
+    machine: &Machine,
+    positions: &[(usize, Option<Increments>)],
+    to_home: &[usize],
+    start: &AxisVector,
+) -> Result<Vec<Check>, Failure> {
+    let mut from = AxisVector::zeros(machine.axes.len());
+    let read = positions.iter().filter_map(|(device, found)| Some((*device, (*found)?)));
+    for (device, found) in read {
+        startup::include(machine, device, &found, &mut from);
+    }
+    let mut ways = Vec::new();
+    if !to_home.is_empty() {
+        ways.push(startup::homing_way(machine, &mut from, to_home));
+    }
+    match startup::way(machine, [&from, start], APPROACH, true) {
+        Ok(way) => ways.push(startup::said(machine, &way)),
+        Err(check) => ways.push(check),
+    }
+    for check in ways.iter().filter(|check| check.has_failed()) {
+        stderr!("  {check}");
+    }
+    refuse_failed(&ways)?;
+    Ok(ways)
 }
 
 /// What the program asks of every axis.
@@ -207,7 +258,8 @@ impl Ready {
             let Some(axis) = machine.axes.get(index) else { continue };
             let bar = ProgressBar::new_spinner();
             bar.enable_steady_tick(Duration::from_millis(100));
-            bar.set_message(format!("axis {} is homed", axis.name));
+            bar.set_message(format!("homing axis {}", axis.name));
+            stderr!("homing axis {}", axis.name);
             let homed = startup::home(machine, &mut drives, &[index], &|| interrupt.count() > 0);
             bar.finish_and_clear();
             homed?;
@@ -230,10 +282,9 @@ pub(super) fn connect(
         let count = emulated(machine, attached, outcome)?;
         stderr!("emulated {described} on {place}: {count} start-up checks passed");
     }
-    let (emulators, drives) = connected.into_iter().unzip();
-    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?
-        .guarded(machine, Guarded::Emulated);
-    Ok((approach(hardware, interrupt)?, emulators))
+    let (emulators, drives): (_, Vec<_>) = connected.into_iter().unzip();
+    let hardware = go_to_start(machine, drives, start, Guarded::Emulated, interrupt)?;
+    Ok((hardware, emulators))
 }
 
 /// Homes the requested axes and moves all axes to the start.
@@ -245,9 +296,49 @@ pub(super) fn start_real(
 ) -> Result<Hardware, Failure> {
     ask_for_priority();
     let drives = ready.home(machine, interrupt)?;
-    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?
-        .guarded(machine, Guarded::Real);
-    approach(hardware, interrupt)
+    go_to_start(machine, drives, start, Guarded::Real, interrupt)
+}
+
+/// Plans the way from where the axes are now, and lets the drives follow it to the start of the program.
+fn go_to_start(
+    machine: &Machine,
+    mut drives: Vec<Attached>,
+    start: &AxisVector,
+    whose: Guarded,
+    interrupt: &Interrupt,
+) -> Result<Hardware, Failure> {
+    let from = startup::positions(machine, &mut drives)?;
+    let way = match startup::way(machine, [&from, start], APPROACH, whose == Guarded::Real) {
+        Ok(way) => way,
+        Err(check) => {
+            stderr!("  {check}");
+            return Err(Failure::Usage(
+                "no way to the start of the program is clear: the axes were not moved there"
+                    .to_owned(),
+            ));
+        }
+    };
+    let ready = |drives, position: &AxisVector| {
+        let hardware = Hardware::start(machine, drives, position, machine.cycle_ns, APPROACH)?;
+        wait_until_ready(hardware.guarded(machine, whose), interrupt)
+    };
+    if !way.is_empty() {
+        stderr!("{}", startup::said(machine, &way).message);
+        let mut hardware = ready(drives, way.from())?;
+        let bar = ProgressBar::new_spinner();
+        bar.set_message("the drives move to the start of the program");
+        bar.enable_steady_tick(Duration::from_millis(100));
+        let followed = follow(&mut hardware, machine, &way, &|| interrupt.count() > 0);
+        bar.finish_and_clear();
+        drives = followed.map_err(|error| {
+            tell_not_stopped(hardware.not_stopped());
+            match error {
+                FollowError::Interrupted => Failure::StoppedOnTheWay,
+                FollowError::Drives(error) => error.into(),
+            }
+        })?;
+    }
+    ready(drives, start)
 }
 
 fn ask_for_priority() {
@@ -258,25 +349,18 @@ fn ask_for_priority() {
     }
 }
 
-/// Waits until the drives stand at the start of the program.
-fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Hardware, Failure> {
-    let bar =
-        ProgressBar::new_spinner().with_message("the drives move to the start of the program");
-    bar.enable_steady_tick(Duration::from_millis(100));
+/// Waits until the drives are enabled and at rest where they are to be.
+fn wait_until_ready(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Hardware, Failure> {
     let failure = loop {
         if interrupt.count() > 0 {
             break Failure::StoppedOnTheWay;
         }
         match hardware.ready() {
-            Ok(true) => {
-                bar.finish_and_clear();
-                return Ok(hardware);
-            }
+            Ok(true) => return Ok(hardware),
             Ok(false) => std::thread::sleep(Duration::from_millis(2)),
             Err(error) => break error.into(),
         }
     };
-    bar.finish_and_clear();
     hardware.abandon();
     tell_not_stopped(hardware.not_stopped());
     Err(failure)

@@ -20,6 +20,8 @@ pub(super) struct Watcher<'a, 'm> {
     pub(super) lines: ProgressLines,
     pub(super) axes: AxisWatch<'m>,
     pub(super) last_shown_ns: i64,
+    /// Largest distance of the tool of the drives from its set-point since then, mm.
+    pub(super) drive_error: Option<f64>,
     pub(super) samples: Heard,
     pub(super) prompt: Prompt,
     /// Override keys, on a terminal.
@@ -58,7 +60,10 @@ impl Observer for Watcher<'_, '_> {
             self.bar.set_position(done);
             self.lines.set(done, self.bar.length().unwrap_or(0));
             let error = (cycle.twin.tool - cycle.wanted.tool).norm() * 1e3;
-            self.bar.set_message(format!("{}  twin {error:.3} mm off", cycle.setpoint.place));
+            let drives = self.drive_error.take();
+            let drives = drives.map_or(String::new(), |error| format!(", drives {error:.3} mm"));
+            self.bar
+                .set_message(format!("{}  twin {error:.3} mm off{drives}", cycle.setpoint.place));
         }
     }
 
@@ -113,6 +118,8 @@ impl Observer for Watcher<'_, '_> {
 
     fn drives(&mut self, sample: &DriveSample<'_>) {
         self.samples.include(sample.time_ns);
+        let error = (sample.drives.tool - sample.wanted.tool).norm() * 1e3;
+        self.drive_error = Some(self.drive_error.map_or(error, |largest| largest.max(error)));
         self.picture.drives(sample);
         self.axes.drives(sample);
     }

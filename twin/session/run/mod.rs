@@ -294,6 +294,13 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
+    /// The computer has slept.
+    pub(super) fn record_sleep(&mut self, slept_ns: i64) {
+        if let Some(punctuality) = &mut self.punctuality {
+            punctuality.slept(slept_ns);
+        }
+    }
+
     /// Simulates the set-points that are due.
     pub(super) fn simulate(&mut self, now_ns: i64, observer: &mut dyn Observer) {
         while let Some(setpoint) = self.planned.pop_front_if(|next| next.time_ns <= now_ns) {
