@@ -12,6 +12,7 @@
     reason = "a test that cannot be set up has failed"
 )]
 
+mod approach;
 mod cam;
 mod cam_extremes;
 mod cam_forms;

@@ -55,7 +55,7 @@ pub enum HomingError {
         patience_s: f64,
     },
     /// The user does not want it any more.
-    #[error("stopped by the user while axis {axis} was homed")]
+    #[error("stopped by the user while homing axis {axis}")]
     Stopped {
         /// The axis.
         axis: String,
