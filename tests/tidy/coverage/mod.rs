@@ -12,6 +12,7 @@ mod page;
 mod reach;
 pub(crate) mod table;
 
+use crate::markdown;
 use crate::tree::{Offence, Tree, join};
 use reach::Reach;
 use std::io;
@@ -70,6 +71,27 @@ fn contradiction(row: &Row) -> Option<&'static str> {
     }
 }
 
+/// Missing tests of the page on faults, the last cell of whose rows has a file and functions in it.
+fn missing_fault_tests(tree: &Tree, text: &str) -> io::Result<Vec<String>> {
+    let mut missing = Vec::new();
+    for line in markdown::lines(text) {
+        let Some(cells) = markdown::cells(line.text) else { continue };
+        let Some((fault, test)) = cells.first().zip(cells.get(2)) else { continue };
+        let mut spans = markdown::code_spans(test);
+        let Some(file) = spans.next() else {
+            if !markdown::is_rule(&cells) && *fault != "fault" {
+                missing.push(format!("line {}: `{fault}` has no test", line.number));
+            }
+            continue;
+        };
+        missing.extend(missing_tests(
+            tree,
+            &format!("{file}: {}", spans.collect::<Vec<_>>().join(",")),
+        )?);
+    }
+    Ok(missing)
+}
+
 /// Missing parts of `file: function, function`, or of a golden case.
 fn missing_tests(tree: &Tree, test: &str) -> io::Result<Vec<String>> {
     let Some((file, functions)) = test.split_once(": ") else {
@@ -112,6 +134,16 @@ mod tests {
     #[test]
     fn the_coverage_tables_are_true() -> io::Result<()> {
         assert_none(&check(&Tree::workspace()?)?);
+        Ok(())
+    }
+
+    #[test]
+    fn faults_have_their_tests() -> io::Result<()> {
+        let tree = Tree::workspace()?;
+        let page = tree.read("docs/src/what_can_go_wrong.md")?;
+        assert_eq!(missing_fault_tests(&tree, &page)?, Vec::<String>::new());
+        let wrong = "| fault | does | test |\n|---|---|---|\n| a | b | `tests/golden/process.rs`: `no_such` |\n| c | d | |\n";
+        assert_eq!(missing_fault_tests(&tree, wrong)?.len(), 2);
         Ok(())
     }
 
