@@ -263,8 +263,9 @@ fn execute(
     // What only a run shows.
     let mut behind = crate::check::following_errors(machine, &done.ending.comparison);
     if arguments.drives == Drives::Emulated {
-        let cause = summary::cause_of_errors(&done.ending);
-        behind.extend(crate::check::drive_errors(machine, &done.ending.comparison, &cause));
+        let (comparison, busy) = (&done.ending.comparison, summary::busy(&done.ending));
+        let predicted = outcome.following.as_ref();
+        behind.extend(crate::check::drive_errors(machine, comparison, predicted, busy.as_deref()));
     }
     behind.extend(crate::check::happenings(machine, &done.ending.record));
     if done.ending.stopped.is_none() {

@@ -40,19 +40,20 @@ const BUSY_US: u64 = 20_000;
 /// Drives are heard of some thirty times a second; a gap of several times that is reported.
 const LONGEST_USUAL_GAP_NS: i64 = 120_000_000;
 
-/// The probable cause of large errors of emulated drives: this computer, the wire, or else the axis.
-pub(super) fn cause_of_errors(ending: &Ending) -> String {
+/// Whether this computer was too busy for emulated drives, in words: nothing else delays them or their terminals.
+pub(super) fn busy(ending: &Ending) -> Option<String> {
     let late_us = ending.punctuality.as_ref().map_or(0, Punctuality::max_us);
-    let gap = |(_, heard): &(String, Heard)| heard.longest_gap_ns;
-    let gap_ns = ending.heard.iter().map(gap).max().unwrap_or_default();
-    if late_us > BUSY_US {
-        format!("this computer was busy: a cycle was {} ms late", late_us / 1000)
-    } else if gap_ns > LONGEST_USUAL_GAP_NS {
-        let gap_ms = gap_ns / 1_000_000;
-        format!("an answer was lost or late on the wire: a device was not heard of for {gap_ms} ms")
-    } else {
-        "the axis is too fast for its drive on this wire; lower F and E, or the limits of the axis"
-            .to_owned()
+    let longest = ending.heard.iter().max_by_key(|(_, heard)| heard.longest_gap_ns);
+    let gap = longest.filter(|(_, heard)| heard.longest_gap_ns > LONGEST_USUAL_GAP_NS);
+    match gap {
+        Some((device, heard)) => {
+            let gap_ms = heard.longest_gap_ms();
+            Some(format!("this computer was busy: `{device}` was not heard of for {gap_ms:.0} ms"))
+        }
+        None if late_us > BUSY_US => {
+            Some(format!("this computer was busy: a cycle was {} ms late", late_us / 1000))
+        }
+        None => None,
     }
 }
 
