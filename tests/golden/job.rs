@@ -194,6 +194,7 @@ fn a_broken_cam_is_told_with_its_own_lines() {
 #[test]
 fn drives_follow_a_job() {
     let desk = desk(180.0);
+    desk.allow_late_drives();
     desk.twin("run job.toml --machine machine.toml --report run.json").ended(0, "");
     let report = desk.read("run.json");
     assert!(number(&report["drive_samples"]["count"]) > 20.0);

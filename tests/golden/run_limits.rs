@@ -16,6 +16,7 @@ const RUN: &str = "-m machine.toml --report r.json --limits axes";
 #[test]
 fn what_is_too_fast_for_an_axis_runs_within_its_limits() {
     let desk = Desk::new();
+    desk.allow_late_drives();
     desk.write("lines.cnc", LINES);
     desk.twin("run lines.cnc -m machine.toml --limits programmed").ended(1, "axis-velocity");
     let expected: f64 =

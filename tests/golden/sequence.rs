@@ -14,6 +14,7 @@ fn bridged_s() -> f64 {
 
 fn desk() -> Desk {
     let desk = Desk::new();
+    desk.allow_late_drives();
     desk.write("first.cnc", FIRST);
     desk.write("second.cnc", SECOND);
     desk
