@@ -4,6 +4,7 @@ use std::io::Read;
 
 use super::{BackupError, HEAD, LineError, LineFault, VERSION};
 use crate::ParameterId;
+use twin_files::limited_read;
 
 /// Bytes of a file at most: many times what any device has.
 const LONGEST: u64 = 4 << 20;
@@ -36,9 +37,9 @@ pub struct Backup {
 /// [`BackupError::Read`]; [`BackupError::Lines`] with every line that is wrong.
 #[doc(alias = "SMC_ReadDriveParamsFromFile")]
 pub fn read(file: &str, input: &mut dyn Read) -> Result<Backup, BackupError> {
-    let mut text = String::new();
     let wrong = |source| BackupError::Read { file: file.to_owned(), source };
-    input.take(LONGEST).read_to_string(&mut text).map_err(wrong)?;
+    let text = limited_read::all_of(input, LONGEST).and_then(limited_read::as_text);
+    let text = text.map_err(wrong)?;
     let text = text.trim_start_matches('\u{FEFF}');
     let mut reader = Reader { file, errors: Vec::new() };
     let (family, entries) = reader.text(text);

@@ -240,4 +240,7 @@ fn files_that_fail_are_named() {
     assert_eq!((error.number(), file.len()), (Some(3003), 0));
     let error = read("a/b.txt", &mut std::fs::File::open(".").unwrap()).unwrap_err();
     assert!(error.to_string().starts_with("a/b.txt: cannot be read"), "{error}");
+    // Half of a backup must not be restored.
+    let error = read("a/b.txt", &mut std::io::repeat(b'#')).unwrap_err().to_string();
+    assert!(error.contains("it has more than 4194304 bytes, the most that are read"), "{error}");
 }

@@ -8,6 +8,10 @@ use std::{
 };
 
 use crate::EmulatorError;
+use twin_files::limited_read;
+
+/// Most bytes of a memory image: many times what any device has.
+const MOST_IMAGE: u64 = 1 << 20;
 
 /// A file in which one emulated device alone keeps things, as long as this lives.
 ///
@@ -79,7 +83,7 @@ pub fn restored<D, E: Into<Box<dyn Error + Send + Sync>>>(
     decode: impl FnOnce(&[u8]) -> Result<D, E>,
 ) -> Result<Option<D>, EmulatorError> {
     let failed = |source| EmulatorError::File { path: path.to_path_buf(), source };
-    match fs::read(path) {
+    match limited_read::read_binary(path, MOST_IMAGE) {
         Ok(image) => {
             let wrong = |why| failed(io::Error::new(io::ErrorKind::InvalidData, why));
             decode(&image).map(Some).map_err(wrong)

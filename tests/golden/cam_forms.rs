@@ -229,10 +229,10 @@ fn what_has_no_end_is_no_cam() {
     let desk = desk();
     for (name, most) in [("z.asc", 268_435_456), ("z.csv", 268_435_456), ("z.toml", 16_777_216)] {
         std::os::unix::fs::symlink("/dev/zero", desk.path(name)).expect("a link");
-        let said = format!("it is longer than {most} bytes");
+        let said = format!("it has more than {most} bytes, the most that are read");
         desk.twin(&format!("cam check {name}")).ended(2, &said);
     }
     desk.twin("tune cam lift.toml --run z.csv")
-        .ended(2, "cannot read run z.csv: it is longer than 268435456 bytes");
-    desk.twin("machine z.toml").ended(2, "it is longer than 16777216 bytes");
+        .ended(2, "cannot read run z.csv: it has more than 268435456 bytes");
+    desk.twin("machine z.toml").ended(2, "it has more than 16777216 bytes");
 }

@@ -35,6 +35,7 @@ mod job;
 mod job_cams;
 mod job_steps;
 mod limit;
+mod long_input;
 mod machine;
 mod modbus;
 mod motors;

@@ -6,8 +6,11 @@ use nalgebra::Point3;
 use std::io;
 use twin_kinematics::{AxisVector, Coordinate, Kinematics, Pose};
 use twin_machine::Machine;
+use twin_machine::limited_read::LimitedLines;
 use twin_number::significant;
 
+/// Largest position of an axis or coordinate, mm or degrees.
+const FARTHEST: f64 = 1e9;
 /// Digits of the answers.
 const DIGITS: usize = 12;
 
@@ -57,7 +60,9 @@ fn convert(mut line: impl FnMut(&[f64]) -> Result<Vec<f64>, String>) -> Result<S
         .flexible(true)
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
-        .from_reader(io::stdin().lock());
+        // Text in quotes may go on over lines, and numbers need none.
+        .quoting(false)
+        .from_reader(LimitedLines::new(io::stdin().lock()));
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(io::stdout().lock());
     let mut status = Status::Fit;
     let mut record = csv::ByteRecord::new();
@@ -91,11 +96,14 @@ fn numbers(record: &csv::ByteRecord) -> Result<Vec<f64>, String> {
         .iter()
         .map(|field| {
             let text = String::from_utf8_lossy(field);
-            let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-            number.ok_or_else(|| {
-                let shown: String = text.chars().take(40).collect();
-                format!("`{shown}` is not a number")
-            })
+            let shown = || text.chars().take(40).collect::<String>();
+            match text.trim_matches('"').parse::<f64>() {
+                Ok(number) if number.abs() <= FARTHEST => Ok(number),
+                Ok(number) if number.is_finite() => {
+                    Err(format!("`{}` is beyond ±{FARTHEST:e}", shown()))
+                }
+                _ => Err(format!("`{}` is not a number", shown())),
+            }
         })
         .collect()
 }

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
 use twin_gcode::rs274::{LengthUnit, ToolTable, ToolTableError};
 use twin_machine::text::Text;
-use twin_machine::{Machine, Scenario, tool_table_problem};
+use twin_machine::{Machine, Scenario, limited_read, tool_table_problem};
 use twin_planner::controller::XDirection;
 use twin_planner::controller::{DEFAULT_WINDOW, Inputs, Override, VelocityMode};
 
@@ -223,9 +223,9 @@ impl InputOptions {
     pub(super) fn workpiece(&self) -> Result<Option<Workpiece>, Failure> {
         let Some(file) = &self.by_position else { return Ok(None) };
         let failed = |source| unreadable(file, source);
-        let reader = twin_machine::text::lines_of(file).map_err(failed)?;
+        let lines = limited_read::read(file).map_err(failed)?;
         let mut positions = Vec::new();
-        for (number, line) in (1..).zip(reader.lines()) {
+        for (number, line) in (1..).zip(lines.lines()) {
             let line: String = line.map_err(failed)?;
             let position = place(&line).map_err(|what| {
                 Failure::Usage(format!("{}: line {number}: {what}", file.display()))

@@ -33,7 +33,6 @@ mod drives;
 mod frame;
 mod geometry;
 mod key_meaning;
-pub mod limited_read;
 mod limits;
 mod m_functions;
 mod payload;
@@ -50,7 +49,6 @@ mod tappet_outputs;
 pub mod tappets;
 #[cfg(test)]
 mod tests;
-pub mod text;
 mod tool;
 
 use crate::section::FileKind;
@@ -73,6 +71,7 @@ pub use simulated::{
 };
 pub use simulation_error::SimulationError;
 pub use surroundings::Collision;
+pub use twin_files::{limited_read, text};
 
 use crate::section::{KeyUse, MachineFileError, Problem, Section};
 use crate::switch_points::SwitchOutput;

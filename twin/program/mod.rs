@@ -19,7 +19,7 @@ use settings::ReadSettings;
 use source::{Counted, Decoded, Decoder, Ledger};
 use std::cell::RefCell;
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -28,7 +28,7 @@ use std::time::SystemTime;
 use stream::{Motion, Stage};
 use twin_gcode::{din66025, rs274};
 use twin_machine::text::{self, Text};
-use twin_machine::{Along, Machine, ProgramConditions};
+use twin_machine::{Along, Machine, ProgramConditions, limited_read};
 use twin_path::Place;
 use twin_path::prepare::{Incompatible, Notices, Preparation, Sections};
 use twin_path::{Marks, PathElement};
@@ -133,15 +133,9 @@ impl ProgramFile {
     /// # Errors
     /// If it cannot be read, has changed, or is not text.
     pub(crate) fn text(&self) -> io::Result<String> {
-        let mut file = Text::open(&self.path)?;
+        let file = Text::open(&self.path)?;
         Stamp::verify(self.stamp, file.inner())?;
-        let mut text = String::new();
-        file.by_ref().take(LONGEST_TEXT).read_to_string(&mut text)?;
-        if file.read(&mut [0])? > 0 {
-            let message = format!("it is longer than {LONGEST_TEXT} bytes");
-            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
-        }
-        Ok(text)
+        limited_read::as_text(limited_read::all_of(file, LONGEST_TEXT)?)
     }
 
     /// Its path elements as programmed.

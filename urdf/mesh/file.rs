@@ -8,6 +8,7 @@ use nalgebra::Point3;
 use std::collections::HashMap;
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
+use twin_files::limited_read;
 
 /// What a binary STL file has before its triangles, bytes.
 const STL_HEADER: usize = 84;
@@ -25,9 +26,6 @@ pub enum MeshError {
     /// Another format.
     #[error("{} files cannot be read: meshes are STL or OBJ", .0.as_deref().unwrap_or("nameless"))]
     Format(Option<String>),
-    /// Too large.
-    #[error("it has {0} bytes; at most {MOST_BYTES} are read")]
-    Size(u64),
     /// No STL file.
     #[error("not STL: {0}")]
     Stl(#[source] io::Error),
@@ -59,12 +57,8 @@ impl Mesh {
     /// # Errors
     /// [`MeshError`].
     pub fn load(path: &Path, name: &str) -> Result<Self, MeshError> {
-        let read = |source| MeshError::Read(source);
-        let bytes = std::fs::metadata(path).map_err(read)?.len();
-        if bytes > MOST_BYTES {
-            return Err(MeshError::Size(bytes));
-        }
-        Self::parse(&std::fs::read(path).map_err(read)?, path, name)
+        let bytes = limited_read::read_binary(path, MOST_BYTES).map_err(MeshError::Read)?;
+        Self::parse(&bytes, path, name)
     }
 
     /// The mesh that `bytes` are, in the format that `path` ends with; URDF names it `name`.

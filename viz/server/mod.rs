@@ -11,6 +11,7 @@ mod stream;
 #[cfg(test)]
 pub(crate) mod tests;
 
+use std::io::Read;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,6 +31,8 @@ use crate::error::{Result, VizError};
 
 /// The customary address: port 9090 of this computer, which other computers cannot reach.
 pub const DEFAULT_ADDRESS: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 9090);
+/// Most bytes in which the first message of a recording ends.
+const MOST_FIRST: u64 = 16 << 20;
 
 /// A recording and whether more of it may come.
 #[derive(Clone, Debug)]
@@ -82,8 +85,9 @@ pub fn view_recording(path: &Path, address: SocketAddr) -> Result<Viewer> {
     let file = std::fs::File::open(path)
         .map_err(|source| VizError::Open { path: path.to_owned(), source })?;
     let not_a_recording = |source| VizError::NotARecording { path: path.to_owned(), source };
-    let mut messages = Decoder::<LogMsg>::decode_eager(std::io::BufReader::new(file))
-        .map_err(|source| not_a_recording(Some(source)))?;
+    let mut messages =
+        Decoder::<LogMsg>::decode_eager(std::io::BufReader::new(file.take(MOST_FIRST)))
+            .map_err(|source| not_a_recording(Some(source)))?;
     match messages.next() {
         Some(Ok(_)) => {}
         Some(Err(source)) => return Err(not_a_recording(Some(source))),

@@ -72,7 +72,9 @@ pub enum ToolTableError {
         value: f64,
     },
     /// A line without end, or too many of them.
-    #[error("line {line}: the tool table is longer than {limit} bytes")]
+    #[error(
+        "line {line}: the tool table has more than {limit} bytes, the most that are read; check that it is the right one, or shorten it"
+    )]
     TooLong {
         /// Line of the file, counted from 1.
         line: u32,

@@ -19,7 +19,9 @@ pub enum DxfReadError {
     #[error("line {0}: the drawing ends in the middle, its EOF is missing")]
     Truncated(u64),
     /// More bytes than allowed.
-    #[error("the drawing has more than {0} bytes")]
+    #[error(
+        "the drawing has more than {0} bytes, the most that are read; check that it is the right one, or shorten it"
+    )]
     TooLarge(u64),
     /// More pieces of path than allowed, blocks inserted.
     #[error("the drawing has more than {0} pieces of path")]

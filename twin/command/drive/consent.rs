@@ -1,7 +1,8 @@
 //! Nothing moves without being asked for.
 
 use crate::command::Failure;
-use std::io::{self, BufRead, IsTerminal, Write};
+use std::io::{self, BufRead, BufReader, IsTerminal, Write};
+use twin_machine::limited_read::LimitedLines;
 
 /// Whether what is asked about may be done: axes moved, parameters written.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
@@ -54,7 +55,8 @@ impl Consent {
         write!(terminal, "{what}? [y/N] ").map_err(Failure::Stdio)?;
         terminal.flush().map_err(Failure::Stdio)?;
         let mut answer = String::new();
-        io::stdin().lock().read_line(&mut answer).map_err(Failure::Stdio)?;
+        let mut terminal = BufReader::new(LimitedLines::new(io::stdin().lock()));
+        terminal.read_line(&mut answer).map_err(Failure::Stdio)?;
         if is_yes(&answer) {
             Ok(())
         } else {

@@ -10,6 +10,10 @@ use std::path::{Path, PathBuf};
 
 /// Longest line of a command, bytes.
 const MOST_BYTES: usize = 4096;
+/// Largest number of connections at a time.
+const MOST_TALKERS: usize = 16;
+/// Reads from a connection at a time: a flood must not keep the device from its work.
+const MOST_READS: usize = 32;
 
 /// A device that things can be done to.
 pub(super) trait Obeys {
@@ -91,8 +95,10 @@ impl Console {
 
     /// Obeys what has come in, and answers.
     pub(super) fn serve(&mut self, device: &mut dyn Obeys) {
-        while let Ok((stream, _)) = self.listener.accept() {
-            if stream.set_nonblocking(true).is_ok() {
+        while let Ok((mut stream, _)) = self.listener.accept() {
+            if self.talkers.len() >= MOST_TALKERS {
+                refuse(&mut stream, &format!("{MOST_TALKERS} connections are open, the most"));
+            } else if stream.set_nonblocking(true).is_ok() {
                 self.talkers.push((stream, Vec::new()));
             }
         }
@@ -107,25 +113,42 @@ impl Drop for Console {
     }
 }
 
+/// Says why a connection ends. Whoever does not listen learns it from the end.
+fn refuse(stream: &mut UnixStream, why: &str) {
+    writeln!(stream, "error: {why}").unwrap_or_default();
+}
+
 /// Reads what is there and answers whole lines; false once the talker is gone.
 fn talk(stream: &mut UnixStream, pending: &mut Vec<u8>, device: &mut dyn Obeys) -> bool {
     let mut chunk = [0; 512];
-    let goes_on = loop {
-        match stream.read(&mut chunk) {
-            Ok(0) => break false,
-            Ok(count) => pending.extend(chunk.iter().take(count)),
-            Err(error) if error.kind() == io::ErrorKind::WouldBlock => break true,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+    for _ in 0..MOST_READS {
+        let is_last = match stream.read(&mut chunk) {
+            Ok(0) => true,
+            Ok(count) => {
+                pending.extend(chunk.iter().take(count));
+                false
+            }
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => return true,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
             Err(_) => return false,
+        };
+        // A last line needs no end.
+        if is_last && !pending.is_empty() {
+            pending.push(b'\n');
         }
-        if pending.len() > MOST_BYTES {
+        if !answer_lines(stream, pending, device) || is_last {
             return false;
         }
-    };
-    // A last line needs no end.
-    if !goes_on && !pending.is_empty() && !pending.ends_with(b"\n") {
-        pending.push(b'\n');
+        if pending.len() > MOST_BYTES {
+            refuse(stream, &format!("a line has more than {MOST_BYTES} bytes, the most"));
+            return false;
+        }
     }
+    true
+}
+
+/// Obeys the whole lines of `pending`; false if the talker takes no answers.
+fn answer_lines(stream: &mut UnixStream, pending: &mut Vec<u8>, device: &mut dyn Obeys) -> bool {
     while let Some(end) = pending.iter().position(|byte| *byte == b'\n') {
         let line: Vec<u8> = pending.drain(..=end).collect();
         let line = String::from_utf8_lossy(&line);
@@ -142,7 +165,7 @@ fn talk(stream: &mut UnixStream, pending: &mut Vec<u8>, device: &mut dyn Obeys) 
             return false;
         }
     }
-    goes_on
+    true
 }
 
 #[cfg(test)]
@@ -181,11 +204,26 @@ mod tests {
         assert_eq!(parrot.0, ["input 3 on", "quiet"]);
         assert!(console.talkers.is_empty());
 
-        // A line without an end is dropped.
+        // A line without an end ends with an error, many short ones do not.
         let mut endless = UnixStream::connect(&path).unwrap();
         endless.write_all(&[b'x'; 3 * MOST_BYTES]).unwrap();
         console.serve(&mut parrot);
         assert!(console.talkers.is_empty() && parrot.0.len() == 2);
+        let mut said = vec![0; 60];
+        let count = endless.read(&mut said).unwrap();
+        assert_eq!(&said[..count], b"error: a line has more than 4096 bytes, the most\n");
+        let mut long = UnixStream::connect(&path).unwrap();
+        long.write_all(format!("quiet{}\n", " ".repeat(100)).repeat(100).as_bytes()).unwrap();
+        console.serve(&mut parrot);
+        assert_eq!((console.talkers.len(), parrot.0.len()), (1, 2 + 100));
+
+        // So many talk at a time at most.
+        let talkers: Vec<_> =
+            (0..MOST_TALKERS).map(|_| UnixStream::connect(&path).unwrap()).collect();
+        console.serve(&mut parrot);
+        assert_eq!(console.talkers.len(), MOST_TALKERS);
+        let said = BufReader::new(&talkers[MOST_TALKERS - 1]).lines().next().unwrap().unwrap();
+        assert_eq!(said, "error: 16 connections are open, the most");
         drop(console);
         assert!(!path.exists());
     }

@@ -265,8 +265,11 @@ impl Progress {
         match program.dialect() {
             // What can be read only once is not read for its lines.
             Dialect::Din66025 | Dialect::Rs274 if program.is_repeatable() => {
-                let lines = text::lines_of(program.path())?.split(b'\n');
-                let count = lines.map(|line| line.map(|_| 1)).sum::<io::Result<u64>>()?;
+                let mut lines = text::lines_of(program.path())?;
+                let mut count = 0;
+                while lines.skip_until(b'\n')? > 0 {
+                    count += 1;
+                }
                 Ok(Self::Lines(count))
             }
             _ => Ok(Self::Bytes(program.size()?)),

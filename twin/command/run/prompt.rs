@@ -24,11 +24,8 @@ impl Prompt {
         let (sender, lines) = sync_channel(0);
         // It ends with the process: nothing can wake it while it waits for a line.
         std::thread::Builder::new().name("prompt".to_owned()).spawn(move || {
-            for line in io::stdin().lock().lines() {
-                if line.is_err() || sender.send(()).is_err() {
-                    return;
-                }
-            }
+            let mut lines = io::stdin().lock();
+            while matches!(lines.skip_until(b'\n'), Ok(1..)) && sender.send(()).is_ok() {}
         })?;
         self.lines = Some(lines);
         Ok(())
