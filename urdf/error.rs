@@ -84,6 +84,24 @@ pub enum UrdfError {
     /// Elements within elements beyond anything that URDF has.
     #[error("not URDF: elements are within each other {0} deep")]
     Deep(usize),
+    /// More attributes than any element of URDF has.
+    #[error(
+        "not URDF: an element has {count} attributes, and at most {most} are read; remove those that URDF does not know"
+    )]
+    Attributes {
+        /// Number of attributes.
+        count: usize,
+        /// Largest number.
+        most: usize,
+    },
+    /// More namespaces than any file needs.
+    #[error(
+        "not URDF: more than {most} namespaces are declared (xmlns), the most that are read; remove those that are not used"
+    )]
+    Namespaces {
+        /// Largest number.
+        most: usize,
+    },
     /// An element without something it needs.
     #[error("{}<{element}> has no {what}", of(part.as_ref()))]
     Lacks {

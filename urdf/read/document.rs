@@ -3,10 +3,16 @@
 
 use super::schema::{Form, Rule, SHAPES, rule};
 use crate::{Part, QUATERNION, UrdfError};
+use quick_xml::Reader;
+use quick_xml::events::Event;
 use roxmltree::{Document, Node};
 
 /// URDF has elements within each other six deep; other programs' elements a few more.
 const DEEPEST: usize = 64;
+/// Most attributes of an element, of which URDF has ten, and most namespaces of a file, of which it has none. Reading takes
+/// a time that grows with their square.
+const MOST_ATTRIBUTES: usize = 100;
+const MOST_NAMESPACES: usize = 100;
 
 /// Something wrong, and in which line.
 pub(super) type At<T> = Result<T, (u32, UrdfError)>;
@@ -82,6 +88,7 @@ impl Places {
 
 /// Looks through `text`.
 pub(super) fn survey(text: &str) -> At<Places> {
+    bound(text)?;
     let document = Document::parse(text).map_err(|source| {
         let line = match source {
             // What never ends is missed at the end.
@@ -104,10 +111,46 @@ pub(super) fn survey(text: &str) -> At<Places> {
         let found = root.tag_name().name().to_owned();
         return Err((survey.line(&root), UrdfError::Root(found)));
     }
-    survey.depth(&root)?;
     survey.macros(&root)?;
     survey.element(&root, None)?;
     Ok(survey.places(&root))
+}
+
+/// Refuses text that would take long to read. Where it is not XML, the pass that follows says why.
+fn bound(text: &str) -> At<()> {
+    let mut reader = Reader::from_str(text);
+    let (mut depth, mut namespaces) = (0_usize, 0);
+    loop {
+        let from = usize::try_from(reader.buffer_position()).unwrap_or(usize::MAX);
+        let (tag, inner) = match reader.read_event() {
+            Ok(Event::Start(tag)) => (tag, 1),
+            Ok(Event::Empty(tag)) => (tag, 0),
+            Ok(Event::End(_)) => {
+                depth = depth.saturating_sub(1);
+                continue;
+            }
+            Ok(Event::Eof) | Err(_) => return Ok(()),
+            Ok(_) => continue,
+        };
+        let mut attributes = 0;
+        for attribute in tag.attributes().with_checks(false) {
+            attributes += 1;
+            let is_namespace = |name: &[u8]| name.starts_with(b"xmlns");
+            namespaces += usize::from(attribute.is_ok_and(|it| is_namespace(it.key.as_ref())));
+        }
+        let error = if depth > DEEPEST {
+            UrdfError::Deep(depth)
+        } else if attributes > MOST_ATTRIBUTES {
+            UrdfError::Attributes { count: attributes, most: MOST_ATTRIBUTES }
+        } else if namespaces > MOST_NAMESPACES {
+            UrdfError::Namespaces { most: MOST_NAMESPACES }
+        } else {
+            depth += inner;
+            continue;
+        };
+        let lines = text.get(..from).unwrap_or_default().matches('\n').count();
+        return Err((u32::try_from(lines).unwrap_or(u32::MAX).saturating_add(1), error));
+    }
 }
 
 /// True if the text is of version 1.`minor` or newer.
@@ -126,38 +169,6 @@ impl Survey {
     fn line(&self, node: &Node<'_, '_>) -> u32 {
         let before = self.starts.partition_point(|start| *start <= node.range().start);
         u32::try_from(before).unwrap_or(u32::MAX).saturating_add(1)
-    }
-
-    fn depth(&self, root: &Node<'_, '_>) -> At<()> {
-        let mut depth = 0_usize;
-        let mut node = *root;
-        // To the first child, else to the next sibling of the nearest ancestor that has one: no recursion.
-        loop {
-            if let Some(child) = node.first_child() {
-                depth += 1;
-                if depth > DEEPEST {
-                    return Err((self.line(&node), UrdfError::Deep(depth)));
-                }
-                node = child;
-                continue;
-            }
-            while node.next_sibling().is_none() {
-                match node.parent() {
-                    Some(parent) if node != *root => {
-                        depth = depth.saturating_sub(1);
-                        node = parent;
-                    }
-                    _ => return Ok(()),
-                }
-                if node == *root {
-                    return Ok(());
-                }
-            }
-            match node.next_sibling() {
-                Some(sibling) => node = sibling,
-                None => return Ok(()),
-            }
-        }
     }
 
     /// That no macros are left.

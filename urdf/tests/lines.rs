@@ -101,6 +101,24 @@ fn xml_that_is_broken_has_a_line_too() {
     assert!(read(&deep).unwrap_err().to_string().contains("65 deep"));
 }
 
+/// Reading compares each attribute of an element with all others, and each name with all namespaces.
+#[test]
+fn text_that_would_take_long_to_read_is_refused() {
+    let many = |what: &dyn Fn(usize) -> String, count| (0..count).map(what).collect::<String>();
+    let attributes = |count| {
+        format!("<robot>\n<a>\n<b{}/></a></robot>", many(&|at| format!(" a{at}='1'"), count))
+    };
+    let expected = "some/robot.urdf:3: not URDF: an element has 200000 attributes, and at most 100 are read; \
+                    remove those that URDF does not know";
+    assert_eq!(read(&attributes(200_000)).unwrap_err().to_string(), expected);
+    let fine = read(&attributes(100)).unwrap_err().to_string();
+    assert!(!fine.contains("attributes"), "{fine}");
+    let spaces = many(&|at| format!("\n<a xmlns:a{at}='{at}'/>"), 101);
+    let expected = "some/robot.urdf:102: not URDF: more than 100 namespaces are declared (xmlns), the most that are \
+                    read; remove those that are not used";
+    assert_eq!(read(&format!("<robot>{spaces}</robot>")).unwrap_err().to_string(), expected);
+}
+
 #[test]
 fn xacro_is_recognised() {
     let declared = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>\n<xacro:include filename='a'/></robot>";
