@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use twin_kinematics::{Kinematics, KinematicsError, ReachOf};
 use twin_machine::axis_couplings::AxesError;
 use twin_machine::axis_kind::AxisKind;
+use twin_machine::cam_file::CamRemark;
 use twin_machine::{Axis, Machine};
 use twin_path::Place;
 
@@ -58,10 +59,11 @@ pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
     }
 }
 
-/// Warning about elements of a cam that are read otherwise than they are written: the author may have meant another cam.
-pub(crate) fn cam_warning(place: Place, axis: Option<String>, message: &str) -> Finding {
-    let mut finding = Finding::error(Rule::CamContinuity, place, message.to_owned());
-    (finding.severity, finding.axis) = (Severity::Warning, axis);
+/// Remark about elements of a cam: the author may have meant another one.
+pub(crate) fn cam_remark(place: Place, axis: Option<String>, remark: &CamRemark) -> Finding {
+    let mut finding = Finding::error(Rule::CamContinuity, place, remark.text.clone());
+    let severity = if remark.is_note { Severity::Note } else { Severity::Warning };
+    (finding.severity, finding.axis) = (severity, axis);
     finding
 }
 

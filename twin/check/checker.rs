@@ -70,7 +70,7 @@ impl<'m> Checker<'m> {
             machine,
             transformer: Transformer::new(machine),
             slack,
-            findings: cam_warnings(machine),
+            findings: cam_remarks(machine),
             peaks: vec![AxisPeak::default(); machine.axes.len()],
             last: None,
             start: None,
@@ -359,13 +359,13 @@ impl<'m> Checker<'m> {
     }
 }
 
-/// Warnings about elements of the machine file's cams: of no line of the program.
-fn cam_warnings(machine: &Machine) -> Findings {
+/// Remarks about elements of the machine file's cams: of no line of the program.
+fn cam_remarks(machine: &Machine) -> Findings {
     let mut findings = Findings::default();
     for coupling in &machine.couplings {
-        for message in coupling.warnings() {
+        for remark in coupling.remarks() {
             let axis = machine.axes.get(coupling.axis).map(|axis| axis.name.clone());
-            let finding = crate::messages::cam_warning(Place::default(), axis, message);
+            let finding = crate::messages::cam_remark(Place::default(), axis, remark);
             findings.add(Some(About::Axis(coupling.axis)), finding);
         }
     }

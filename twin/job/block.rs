@@ -3,6 +3,7 @@
 use std::fmt;
 use twin_axis::{Axis, Block, CamIn, GearInPos, Master, Motion, Outputs, SuperImposed};
 use twin_cam::{StartMode, TappetData, Trigger};
+use twin_machine::cam_file::CamRemark;
 
 /// Inputs of a block call besides its axis.
 #[derive(Debug)]
@@ -62,7 +63,7 @@ pub(super) trait Called: fmt::Debug + Send {
     }
 
     /// Warnings about the elements of its cam, each with file and line.
-    fn cam_warnings(&self) -> &[String] {
+    fn cam_remarks(&self) -> &[CamRemark] {
         &[]
     }
 
@@ -99,7 +100,7 @@ pub(super) struct CamStart {
 #[derive(Debug)]
 struct OnCam {
     block: Block<CamIn>,
-    warnings: Vec<String>,
+    remarks: Vec<CamRemark>,
     gain_unsaid: Option<f64>,
 }
 
@@ -124,8 +125,8 @@ impl Called for OnCam {
         self.block.inputs.input.tappet_dead_time_s
     }
 
-    fn cam_warnings(&self) -> &[String] {
-        &self.warnings
+    fn cam_remarks(&self) -> &[CamRemark] {
+        &self.remarks
     }
 
     fn cam_start(&self) -> Option<CamStart> {
@@ -188,10 +189,10 @@ pub(super) fn set_position(position: f64, relative: bool) -> Box<dyn Called> {
 /// A block whose axis follows a cam, with notes on the cam's file.
 pub(super) fn on_cam(
     inputs: CamIn,
-    warnings: Vec<String>,
+    remarks: Vec<CamRemark>,
     gain_unsaid: Option<f64>,
 ) -> Box<dyn Called> {
-    Box::new(OnCam { block: Block::new(inputs), warnings, gain_unsaid })
+    Box::new(OnCam { block: Block::new(inputs), remarks, gain_unsaid })
 }
 
 /// A tappet that has acted.

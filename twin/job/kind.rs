@@ -251,7 +251,7 @@ fn super_imposed(of: &Values<'_>) -> Option<Box<dyn Called>> {
 fn cam_in(of: &Values<'_>, path: &Path) -> Option<Box<dyn Called>> {
     let (slave, master) = (Some(of.known.as_cam()), of.master.map(Known::as_cam));
     let selection = read_cam(of.section, path, slave, master)?;
-    let CamSelection { table, mut input, warnings, gain_unsaid } = selection;
+    let CamSelection { table, mut input, remarks, gain_unsaid } = selection;
     // The default of every block applies if neither the block nor its cam's file gives a value.
     let unsaid = |name: &str, value: f64| {
         value == 0.0 && !of.section.has(&format!("{}_per_s2", of.key(name)))
@@ -264,5 +264,5 @@ fn cam_in(of: &Values<'_>, path: &Path) -> Option<Box<dyn Called>> {
         let own = of.known.max_deceleration.filter(|_| by_axis);
         input.deceleration = own.unwrap_or(input.acceleration);
     }
-    Some(on_cam(CamIn { table: Some(table), input }, warnings, gain_unsaid))
+    Some(on_cam(CamIn { table: Some(table), input }, remarks, gain_unsaid))
 }

@@ -6,7 +6,7 @@ use super::pace::{Bears, Pace};
 use super::start::starts;
 use super::{Call, read};
 use crate::finding::{Finding, Rule};
-use crate::messages::cam_warning;
+use crate::messages::cam_remark;
 use crate::program::ProgramFile;
 use crate::setpoint::AxisSetpoint;
 use crate::setpoint_source::PlanItem;
@@ -316,7 +316,7 @@ impl<'m> JobSetpoints<'m> {
     }
 }
 
-/// Notes on a block's cam before anything moves: warnings about its elements, and a gain in every pass because the cam is
+/// Notes on a block's cam before anything moves: remarks about its elements, and a gain in every pass because the cam is
 /// periodic by default. `axes` are names, periods and units.
 fn message(
     call: &Call,
@@ -324,9 +324,9 @@ fn message(
 ) -> impl Iterator<Item = Finding> {
     let axis = axes.get(call.axis);
     let name = axis.map(|(name, ..)| name.clone());
-    let warnings = call.block.cam_warnings().iter();
+    let remarks = call.block.cam_remarks().iter();
     let shown = name.clone();
-    let warnings = warnings.map(move |text| cam_warning(call.place(), shown.clone(), text));
+    let remarks = remarks.map(move |remark| cam_remark(call.place(), shown.clone(), remark));
     let gain = call.block.gain_unsaid().map(|gain| {
         let message = format!(
             "`periodic` is missing, so the cam repeats: the slave gains {} {} in every pass",
@@ -337,7 +337,7 @@ fn message(
         note.hint = Some("`periodic = false` has the slave stay at the end of the cam".to_owned());
         note
     });
-    warnings.chain(gain)
+    remarks.chain(gain)
 }
 
 impl Iterator for JobSetpoints<'_> {

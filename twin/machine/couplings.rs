@@ -3,7 +3,7 @@
 
 use super::axis::Axis;
 use crate::axis_kind::AxisKind;
-use crate::cam_file::{CamFile, CamFileError, START_MODES, no_scaling, unit_fits};
+use crate::cam_file::{CamFile, CamFileError, CamRemark, START_MODES, no_scaling, unit_fits};
 use crate::coupling_cycle;
 use crate::section::{Elsewhere, MachineFileError, Section};
 use crate::tappets::MOST_SIGNALS;
@@ -42,8 +42,8 @@ pub struct CamSelection {
     pub table: CamTable,
     /// Inputs of `MC_CamIn`.
     pub input: CamInput,
-    /// Warnings about the cam's elements, each with file and line.
-    pub warnings: Vec<String>,
+    /// Remarks about the cam's elements, each with file and line.
+    pub remarks: Vec<CamRemark>,
     /// Gain of the slave per period, in its unit, of a cam that is periodic because nothing else is said.
     pub gain_unsaid: Option<f64>,
 }
@@ -57,11 +57,11 @@ impl Coupling {
         }
     }
 
-    /// Warnings about the elements of its cam, each with file and line.
-    pub fn warnings(&self) -> &[String] {
+    /// Remarks about the elements of its cam, each with file and line.
+    pub fn remarks(&self) -> &[CamRemark] {
         match &self.by {
             CoupledBy::Gear(..) => &[],
-            CoupledBy::Cam(selection) => &selection.warnings,
+            CoupledBy::Cam(selection) => &selection.remarks,
         }
     }
 
@@ -297,13 +297,17 @@ pub fn read_cam(
     }
     let file = file?;
     let named = file.path.display();
-    let warnings = file.warnings.iter().map(|warning| format!("{named}: {warning}")).collect();
+    let remark = |CamRemark { text, is_note }: &CamRemark| CamRemark {
+        text: format!("{named}: {text}"),
+        is_note: *is_note,
+    };
+    let remarks = file.remarks.iter().map(remark).collect();
     let rise = file.cam.curve().rise() * input.slave_scaling * input.master_scaling.signum();
     let unsaid = periodic && !section.has("periodic") && file.period.is_none() && !file.repeated;
     let gain_unsaid = (unsaid && rise != 0.0).then_some(rise);
     let cam = Arc::new(file.cam);
     let table = CamTable { periodic, master_absolute, slave_absolute, ..CamTable::new(cam) };
-    Some(CamSelection { table, input, warnings, gain_unsaid })
+    Some(CamSelection { table, input, remarks, gain_unsaid })
 }
 
 /// Advice for a cam over time.

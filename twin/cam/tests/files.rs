@@ -16,6 +16,12 @@ fn read(text: &str) -> Result<CamFile, CamFileError> {
     CamFile::from_toml(Path::new("cam.toml"), text.to_owned())
 }
 
+/// Remarks about the elements of a cam: the notes, or the warnings.
+fn remarks(text: &str, notes: bool) -> Vec<String> {
+    let remarks = read(text).expect("a cam").remarks.into_iter();
+    remarks.filter(|remark| remark.is_note == notes).map(|remark| remark.text).collect()
+}
+
 /// Messages with the words they are about.
 pub(super) fn problems(text: &str) -> Vec<(String, String)> {
     let Err(CamFileError::Toml(twin_machine::section::MachineFileError::Content {
@@ -520,11 +526,11 @@ fn elements_that_do_not_ascend_are_told() {
     let point = "  { master = 90, slave = 40, velocity = 0.5 },      # on the way\n";
     let moved = LIFT.replace(point, "").replace("]\ntappets", &format!("{point}]\ntappets"));
     let line = 1 + moved.lines().position(|line| line.contains("master = 90")).expect("a line");
-    let warnings = read(&moved).expect("a cam").warnings;
+    let warnings = remarks(&moved, false);
     let said = format!("line {line}: the element at master 90 comes after the one at 240");
     let [warning] = warnings.as_slice() else { panic!("{warnings:?}") };
     assert!(warning.starts_with(&said), "{warning}");
-    assert!(read(LIFT).expect("a cam").warnings.is_empty());
+    assert!(remarks(LIFT, false).is_empty());
 }
 
 /// Written values of the end of a periodic cam that are not those of its begin, whole periods aside, are replaced.
@@ -534,7 +540,7 @@ fn replaced_ends_are_reported() {
     let line = 2 + LIFT.lines().position(|line| line.contains("master = 240")).expect("a line");
     let warnings = |end: &str| {
         let end = format!("{point}  {{ master = 360, {end} }},\n");
-        read(&LIFT.replace(point, &end)).expect("a cam").warnings
+        remarks(&LIFT.replace(point, &end), false)
     };
     for right in ["slave = 0", "slave = 200", "slave = 99.99999999, velocity = 0"] {
         assert!(warnings(right).is_empty(), "{right}");
@@ -547,7 +553,42 @@ fn replaced_ends_are_reported() {
     assert_eq!(found, [expected]);
     let once = LIFT.replace(", period = 100", "");
     let once = once.replace(point, &format!("{point}  {{ master = 360, slave = 60 }},\n"));
-    assert!(read(&once).expect("a cam").warnings.is_empty());
+    assert!(remarks(&once, false).is_empty());
+}
+
+/// A point without a velocity is a rest. Where the slave goes on in its direction that may not be meant: the files say at
+/// which points the slave stops, and why a turn or a dwell is not such a point.
+#[test]
+fn rests_on_the_way_are_noted() {
+    let cam = |slave: &str, elements: &str| {
+        let head = "master = { min = 0, max = 360 }";
+        remarks(&format!("{head}\nslave = {{ {slave} }}\nelements = [\n{elements}]\n"), true)
+    };
+    let bare = |points: &[(f64, f64)]| {
+        let line =
+            |(master, slave): &(f64, f64)| format!("{{ master = {master}, slave = {slave} }},\n");
+        points.iter().map(line).collect::<String>()
+    };
+    let said = |line: usize, points: &str, at: &str| {
+        [format!(
+            "line {line}: {points} without `velocity`, at master {at}: the slave rests there; \
+             write the velocity, or `velocity = 0` for a rest"
+        )]
+    };
+    // A turn at 180 and, as the cam comes back, at its ends; 90 is on the way up, 270 on the way down.
+    let lift = bare(&[(0.0, 0.0), (90.0, 10.0), (180.0, 40.0), (270.0, 20.0), (360.0, 0.0)]);
+    assert_eq!(cam("", &lift), said(5, "2 points", "90, 270"));
+    let meant = lift.replace("slave = 10", "slave = 10, velocity = 0");
+    assert_eq!(cam("", &meant), said(7, "1 point", "270"));
+    // A rise from dwell to dwell.
+    let dwells = bare(&[(0.0, 0.0), (90.0, 0.0), (180.0, 40.0), (360.0, 40.0)]);
+    assert!(cam("", &dwells).is_empty());
+    // One way it begins and ends at rest; with a period it goes on.
+    let way = bare(&[(0.0, 0.0), (360.0, 40.0)]);
+    assert!(cam("", &way).is_empty());
+    assert_eq!(cam("period = 40", &way), said(4, "1 point", "0"));
+    let many: Vec<_> = (0..=9).map(|index| (40.0 * f64::from(index), f64::from(index))).collect();
+    assert_eq!(cam("", &bare(&many)), said(5, "8 points", "40, 80, 120, 160, 200 and 3 more"));
 }
 
 /// A tappet beside the scale has the number that it has in the file, in which they stand in any order.

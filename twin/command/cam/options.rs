@@ -6,11 +6,20 @@ use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use twin_cam::{Interpolation, MasterMotion, SlaveLimits};
 use twin_machine::cam_file::unit_fits;
-use twin_machine::cam_file::{CamFile, Coupling, no_scaling};
+use twin_machine::cam_file::{CamFile, CamRemark, Coupling, no_scaling};
 use twin_machine::{Axis, Machine};
 
 /// A finite number.
 pub(in crate::command) fn number(text: &str) -> Result<f64, String> {
+    let number = at_most(text)?;
+    if number == 0.0 || number.abs() >= 1e-15 {
+        Ok(number)
+    } else {
+        Err(format!("`{text}` is nearer to 0 than ±1e-15; 0 is written `0`"))
+    }
+}
+
+fn at_most(text: &str) -> Result<f64, String> {
     let number: f64 =
         text.trim().parse().ok().ok_or_else(|| format!("`{text}` is not a number"))?;
     if number.abs() <= 1e15 { Ok(number) } else { Err(format!("`{text}` is beyond ±1e15")) }
@@ -43,7 +52,7 @@ fn velocity(text: &str) -> Result<f64, String> {
 
 /// A factor that is not next to 0.
 fn factor(text: &str) -> Result<f64, String> {
-    let number = number(text)?;
+    let number = at_most(text)?;
     no_scaling("the scaling", number).map_or(Ok(number), Err)
 }
 
@@ -82,8 +91,8 @@ pub(in crate::command) fn load(path: &Path, between: Option<Between>) -> Result<
 pub(super) fn read(path: &Path, between: Option<Between>) -> Result<CamFile, Failure> {
     let interpolation = between.map_or(Interpolation::Linear, Interpolation::from);
     let file = CamFile::load(path, interpolation).map_err(Box::new)?;
-    for warning in &file.warnings {
-        stderr!("{}: {warning}", path.display());
+    for CamRemark { text, is_note } in &file.remarks {
+        stderr!("{}{}: {text}", if *is_note { "note: " } else { "" }, path.display());
     }
     Ok(file)
 }

@@ -42,6 +42,15 @@ impl Form {
     }
 }
 
+/// Remark about elements of a cam file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CamRemark {
+    /// The text, with the line.
+    pub text: String,
+    /// A note: they are read as they are written, but may be meant otherwise.
+    pub is_note: bool,
+}
+
 /// A cam and the other entries of its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CamFile {
@@ -65,8 +74,8 @@ pub struct CamFile {
     pub coupling: Coupling,
     /// The text of a TOML file.
     pub text: Option<String>,
-    /// Warnings about elements of a TOML file, each with its line: not by ascending masters, or an end that is replaced.
-    pub warnings: Vec<String>,
+    /// Remarks about elements of a TOML file: not by ascending masters, an end that is replaced, rests without a velocity.
+    pub remarks: Vec<CamRemark>,
 }
 
 impl CamFile {
@@ -117,7 +126,7 @@ impl CamFile {
     /// [`CamFileError::Toml`] with everything that is wrong with it.
     pub fn from_toml(path: &Path, text: String) -> Result<Self, CamFileError> {
         match section::parse(&text, |root| toml_form::read(root, &stem(path))) {
-            Ok(TomlCam { source, table, coupling, cam, warnings }) => Ok(Self {
+            Ok(TomlCam { source, table, coupling, cam, remarks }) => Ok(Self {
                 path: path.to_owned(),
                 form: Form::Toml,
                 repeated: source.period.is_some()
@@ -127,9 +136,12 @@ impl CamFile {
                 slave: (&source.slave).into(),
                 coupling,
                 source: table.is_none().then_some(source),
-                warnings: warnings
+                remarks: remarks
                     .into_iter()
-                    .map(|(span, message)| format!("line {}: {message}", line(&text, &span)))
+                    .map(|(span, CamRemark { text: message, is_note })| CamRemark {
+                        text: format!("line {}: {message}", line(&text, &span)),
+                        is_note,
+                    })
                     .collect(),
                 text: Some(text),
                 cam,
@@ -157,7 +169,7 @@ impl CamFile {
             source: None,
             coupling: Coupling::default(),
             text: None,
-            warnings: Vec::new(),
+            remarks: Vec::new(),
             cam,
         })
     }

@@ -15,7 +15,7 @@ mod toml_writer;
 
 pub use csv_form::csv_of;
 pub use error::CamFileError;
-pub use file::{CamFile, Form, digits, write_file};
+pub use file::{CamFile, CamRemark, Form, digits, write_file};
 pub(crate) use form::START_MODES;
 pub use form::{AxisScale, Coupling, WANTED, no_scaling, unit_fits, unit_of};
 pub use toml_writer::{Number, tappet as tappet_line, write_toml};

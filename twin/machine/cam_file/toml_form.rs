@@ -1,15 +1,19 @@
 //! Cams as people write them in TOML.
 
+use crate::cam_file::file::CamRemark;
 use crate::cam_file::form::Coupling;
 use crate::cam_file::toml_coupling::coupling;
 use crate::cam_file::toml_table;
 use crate::section::{FileKind, Section};
+use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 use twin_cam::{
     Action, Cam, CamError, Compile, Element, Kind, Knot, Passage, Scale, Shape, Source, Tappet,
 };
-use twin_number::significant;
+use twin_number::{counted, significant};
 
+/// Points that a note names.
+const MOST_SHOWN: usize = 5;
 /// Numbers of a file.
 pub(super) const ANY: RangeInclusive<f64> = -1e15..=1e15;
 /// Those that must be greater than 0.
@@ -25,8 +29,8 @@ pub(super) struct TomlCam {
     pub(super) table: Option<Shape>,
     pub(super) coupling: Coupling,
     pub(super) cam: Cam,
-    /// Elements that are read otherwise than they are written, with their places.
-    pub(super) warnings: Vec<(Range<usize>, String)>,
+    /// Remarks about elements, with their places.
+    pub(super) remarks: Vec<(Range<usize>, CamRemark)>,
 }
 
 /// Reads a cam; one that says no name has `usual`, that of its file.
@@ -111,8 +115,11 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
                 let section = sections[0].iter().find(|section| section.span() == *span)?;
                 Some((span.clone(), replaced_end(element, section, &source, &cam)?))
             });
-            let warnings = out_of_order.into_iter().chain(replaced).collect();
-            Some(TomlCam { source, table, coupling, cam, warnings })
+            let remark = |is_note| move |(span, text)| (span, CamRemark { text, is_note });
+            let warnings = out_of_order.into_iter().chain(replaced).map(remark(false));
+            let rests = rests(&sections[0], &source, &cam).map(remark(true));
+            let remarks = warnings.chain(rests).collect();
+            Some(TomlCam { source, table, coupling, cam, remarks })
         }
         Err(error) => {
             let elements: Vec<_> = elements.into_iter().map(|(_, span)| span).collect();
@@ -154,6 +161,40 @@ fn replaced_end(
     (!replaced.is_empty()).then_some(message)
 }
 
+/// Note about points without `velocity` at which the slave rests though neither a dwell nor a turn of it says so, at the
+/// place of the first in the file.
+fn rests(sections: &[Section<'_>], source: &Source, cam: &Cam) -> Option<(Range<usize>, String)> {
+    let Shape::Polynomial(knots) = cam.shape() else { return None };
+    let bare = sections.iter().filter(|section| !section.has("from") && !section.has("velocity"));
+    let bare: BTreeMap<u64, Range<usize>> = bare
+        .filter_map(|section| Some((section.required_number("master", ANY)?, section.span())))
+        .map(|(master, span)| ((master + 0.0).to_bits(), span))
+        .collect();
+    let steps: Vec<f64> =
+        knots.iter().zip(knots.iter().skip(1)).map(|(one, next)| next.slave - one.slave).collect();
+    // Where the cam goes on, its end is its begin; else it rests at its ends.
+    let goes_on = source.period.is_some() || cam.curve().rise() == 0.0;
+    let before = steps.last().copied().filter(|_| goes_on).unwrap_or_default();
+    let around = std::iter::once(before).chain(steps.iter().copied()).zip(steps.iter().copied());
+    let found: Vec<_> = knots
+        .iter()
+        .zip(around)
+        .filter(|(knot, (before, after))| knot.velocity == 0.0 && before * after > 0.0)
+        .filter_map(|(knot, _)| Some((knot.master, bare.get(&(knot.master + 0.0).to_bits())?)))
+        .collect();
+    let span = found.iter().map(|(_, span)| *span).min_by_key(|span| span.start)?.clone();
+    let shown: Vec<_> =
+        found.iter().take(MOST_SHOWN).map(|(master, _)| significant(*master, 6)).collect();
+    let left = found.len().saturating_sub(shown.len());
+    let more = if left > 0 { format!(" and {left} more") } else { String::new() };
+    let message = format!(
+        "{} without `velocity`, at master {}{more}: the slave rests there; write the velocity, or `velocity = 0` for a rest",
+        counted(found.len(), "point"),
+        shown.join(", ")
+    );
+    Some((span, message))
+}
+
 /// Reports errors of elements and tappets, which are ordered by their masters, at their places.
 fn complain_of(
     error: CamError,
@@ -169,6 +210,7 @@ fn complain_of(
         CamError::Kink { index, .. }
         | CamError::OutsideScale { index, .. }
         | CamError::NotAscending { index, .. }
+        | CamError::Beyond { index }
             if !is_table =>
         {
             elements.get(index - 1).cloned()
