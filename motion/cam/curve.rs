@@ -2,7 +2,7 @@
 
 use super::cells::Cells;
 use super::error::CamError;
-use super::knot::{Derivatives, Knot, Piece};
+use super::knot::{Derivatives, Knot, MOST, Piece};
 use super::polynomial::{Extremes, extremes};
 
 /// The most points a curve may have.
@@ -45,7 +45,7 @@ impl Curve {
     /// Polynomials of degree 5 through the points (`byType` 3, manual 4.7), straight where the points say so.
     ///
     /// # Errors
-    /// [`CamError`] if there are less than two points, one of them is not finite, or their masters do not ascend.
+    /// [`CamError`] if there are less than two points, their masters do not ascend, or a value is beyond ±1e80.
     pub fn polynomial(knots: &[Knot]) -> Result<Self, CamError> {
         check(knots)?;
         Self::from_pieces(knots, pairs(knots).map(|(from, to)| Piece::between(from, to)).collect())
@@ -77,9 +77,8 @@ impl Curve {
         // Of the points: a cam that comes back to where it began gains nothing, not a rounding.
         let ends = [knots.first(), knots.last()].map(|knot| knot.map_or(0.0, |knot| knot.slave));
         let rise = ends[1] - ends[0];
-        let finite = |piece: &Piece| piece.c.iter().all(|c| c.is_finite()) && piece.width > 0.0;
-        if let Some(index) = pieces.iter().position(|piece| !finite(piece)) {
-            return Err(CamError::NotFinite { index: index + 2, value: f64::INFINITY });
+        if let Some(index) = pieces.iter().position(|piece| !piece.is_within(MOST)) {
+            return Err(CamError::Beyond { index: index + 2 });
         }
         let begins: Vec<_> = pieces.iter().map(|piece| piece.start).collect();
         Ok(Self { start, end, rise, cells: Cells::new(&begins, end), pieces: pieces.into() })
@@ -257,10 +256,8 @@ fn check(knots: &[Knot]) -> Result<(), CamError> {
         return Err(CamError::TooManyPoints { found: knots.len(), limit: MAX_POINTS });
     }
     for (index, knot) in knots.iter().enumerate() {
-        if !knot.is_finite() {
-            let all = [knot.master, knot.slave, knot.velocity, knot.acceleration];
-            let value = all.into_iter().find(|value| !value.is_finite()).unwrap_or(f64::NAN);
-            return Err(CamError::NotFinite { index: index + 1, value });
+        if !knot.is_within(MOST) {
+            return Err(CamError::Beyond { index: index + 1 });
         }
     }
     for (index, (from, to)) in pairs(knots).enumerate() {

@@ -1,5 +1,6 @@
 //! Errors of cams: invalid points, tables or elements.
 
+use super::knot::MOST;
 use twin_number::Short;
 
 /// Reason why points, tables or elements make no cam.
@@ -19,13 +20,14 @@ pub enum CamError {
         /// The most there may be.
         limit: usize,
     },
-    /// A value is infinite or not a number.
-    #[error("element {index}: {value} is not a finite number")]
-    NotFinite {
+    /// Values are so large that other numbers which follow from them would not be finite.
+    #[error(
+        "element {index}: master, slave, or a derivative of the slave up to it is beyond ±{MOST:e}; \
+         correct the element, or move it away from the one before"
+    )]
+    Beyond {
         /// Number of the point or line, from 1.
         index: usize,
-        /// The value.
-        value: f64,
     },
     /// A point or line does not lie behind the one before it.
     #[error("element {index}: master {} does not lie behind {} of the element before", Short(*.master), Short(*.before))]

@@ -1,5 +1,11 @@
 //! Points (knots) of a cam and the polynomials between them.
 
+use super::polynomial::Coefficients;
+
+/// Largest magnitude of a cam's masters, slaves and derivatives: with the largest scalings and velocities of a master all that
+/// follows from them is finite.
+pub(crate) const MOST: f64 = 1e80;
+
 /// A point of a polynomial cam (`SMC_CAMXYVA`, manual 4.7): where the slave is, and how it moves there.
 ///
 /// Velocity and acceleration are derivatives by the master's position: those of the slave in time when the master moves
@@ -23,8 +29,9 @@ impl Knot {
         Self { master, slave, velocity: 0.0, acceleration: 0.0 }
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
-        [self.master, self.slave, self.velocity, self.acceleration].iter().all(|v| v.is_finite())
+    /// True if no value is larger than `most`.
+    pub(crate) fn is_within(&self, most: f64) -> bool {
+        [self.master, self.slave, self.velocity, self.acceleration].iter().all(|v| v.abs() <= most)
     }
 }
 
@@ -116,6 +123,14 @@ impl Piece {
         Derivatives { position, velocity, acceleration, jerk }
     }
 
+    /// True if neither it nor its derivatives can be larger than `most`.
+    pub(crate) fn is_within(&self, most: f64) -> bool {
+        let largest = |coefficients: &Coefficients| {
+            coefficients.iter().rev().fold(0.0, |sum: f64, c| sum * self.width + c.abs())
+        };
+        self.width > 0.0 && self.polynomials().iter().all(|one| largest(one) <= most)
+    }
+
     pub(crate) fn begin(&self) -> Derivatives {
         self.at(0.0)
     }
@@ -125,7 +140,7 @@ impl Piece {
     }
 
     /// The polynomial itself, and its first three derivatives.
-    pub(crate) fn polynomials(&self) -> [super::polynomial::Coefficients; 4] {
+    pub(crate) fn polynomials(&self) -> [Coefficients; 4] {
         let [c0, c1, c2, c3, c4, c5] = self.c;
         [
             [c0, c1, c2, c3, c4, c5, 0.0],
