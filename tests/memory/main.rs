@@ -1,5 +1,5 @@
 //! Memory test: the stages of motion hold their windows, never the whole program. The heap's peak is the same for a
-//! program three hundred times as long; with feeds limited by the axes, which is slower, eight times as long.
+//! program three hundred times as long; with feeds limited by the axes, which is slower, eight times as long. So it is for one element that is ten times as long.
 //!
 //! There is only one test, because the counter counts the whole process.
 
@@ -20,19 +20,21 @@ mod pipeline;
 
 use contour::{Contour, Dialect, din66025_options, rs274_options};
 use machines::Machine;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use pipeline::{Failure, count, elements, plan, prepare, sample};
 use std::f64::consts::TAU;
 use std::io::BufReader;
 use std::num::NonZeroUsize;
 use twin_gcode::{din66025, rs274};
+use twin_kinematics::AxisVector;
+use twin_kinematics::gantry::Gantry3;
 use twin_path::Place;
 use twin_path::prepare::{
     CheckVelocities, CircularLimits, Notices, Preparation, Rounding, ToolRadiusOptions,
 };
-use twin_path::{ElementKind, Marks, PathElement, Shape};
+use twin_path::{Arc, ElementKind, Marks, PathElement, Plane, Shape};
 use twin_planner::blended_path::BlendOptions;
-use twin_planner::time_optimal::{LimitOptions, Planned, Planner};
+use twin_planner::time_optimal::{AxisLimits, KinematicPath, LimitOptions, Planned, Planner};
 
 const FEW: u32 = 1_000;
 const MANY: u32 = 300_000;
@@ -44,6 +46,9 @@ const SLACK: usize = 4096;
 const ROUND: u32 = 600;
 /// The first leaves behind what the solvers keep: from the second on all are alike.
 const ROUNDS: [u32; 2] = [2, 16];
+
+/// Lengths of an element, m.
+const LENGTHS: [f64; 2] = [65.0, 650.0];
 
 /// A program of that many lines.
 type Run = fn(u32);
@@ -127,6 +132,35 @@ fn limited(rounds: u32, jerk: bool) {
     assert!(planner.effort().windows >= u64::from(2 * rounds), "{:?}", planner.effort());
 }
 
+/// One element on a portal, within the limits of its axes: a line, or a circle of 10 m round and round.
+fn element(length: f64, turns: bool, jerk: bool) {
+    let start = Point3::origin();
+    let shape = if turns {
+        let center = Point3::new(10.0, 0.0, 0.0);
+        let sweep = length / 10.0;
+        let end = center + Vector3::new(-sweep.cos(), -sweep.sin(), 0.0) * 10.0;
+        Shape::Arc(Arc::in_plane(Plane::Xy, start, end, center, sweep))
+    } else {
+        Shape::Line { start, end: Point3::new(0.8 * length, 0.6 * length, 0.0) }
+    };
+    let place = Place { line: 1, block: None };
+    let element = PathElement { feed: 0.5, ..PathElement::new(place, ElementKind::Cut, shape) };
+    let element = PathElement { acceleration: 2.0, deceleration: 2.0, ..element };
+    let jerk = jerk.then_some(40.0);
+    let limits = AxisLimits { velocity: 0.6, acceleration: 3.0, deceleration: 3.0, jerk };
+    let portal = Gantry3::new([0.0; 3]).unwrap();
+    let axes = KinematicPath::new(portal, vec![limits; 3], AxisVector::zeros(3));
+    let options = LimitOptions::new(BlendOptions::new(1e-6));
+    let mut duration = 0.0;
+    for planned in Planner::new(prepare(std::iter::once(Ok(element))), axes, options) {
+        let Planned::Leg(leg) = planned.unwrap() else { continue };
+        duration += leg.stretch.duration();
+    }
+    // At F, and as long again as it takes to reach F, or a little longer with limited jerk.
+    let least = length / 0.5 + 0.5 / 2.0;
+    assert!((least - 1e-3..least + 0.1).contains(&duration), "{duration} s, not {least} s");
+}
+
 #[test]
 fn long_programs_take_no_more_memory_than_short_ones() {
     let runs: [(&str, u32, Run); 4] = [
@@ -149,5 +183,13 @@ fn long_programs_take_no_more_memory_than_short_ones() {
         let [few, many] = ROUNDS.map(|rounds| counter::most_during(|| limited(rounds, jerk)));
         println!("jerks limited: {jerk}: {few} bytes and {many} bytes for {ROUNDS:?} rounds");
         assert!(many <= few + SLACK, "jerks limited: {jerk}: {many} bytes instead of {few}");
+        for turns in [false, true] {
+            let [few, many] =
+                LENGTHS.map(|length| counter::most_during(|| element(length, turns, jerk)));
+            let name = format!("an element, circle: {turns}, jerks limited: {jerk}");
+            println!("{name}: {few} bytes and {many} bytes for {LENGTHS:?} m");
+            // Windows begin where those before end, and are not all equally large.
+            assert!(many <= few + few / 4, "{name}: {many} bytes instead of {few}");
+        }
     }
 }
