@@ -30,6 +30,7 @@ mod drive_stop;
 mod drive_words;
 mod emulate;
 mod explain;
+mod finite;
 mod in_loop;
 mod job;
 mod job_cams;
