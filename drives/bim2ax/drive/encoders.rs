@@ -83,7 +83,7 @@ impl Bim2AxDrive {
     /// Looks which axes have encoders, by their parameters.
     ///
     /// # Errors
-    /// [`DriveError::Setting`] if one is to have one and does not.
+    /// [`DriveError::Setting`] if one is to have one and does not, or its divisor is 0.
     pub(super) fn find_encoders(&mut self, settings: &[AxisSettings]) -> Result<(), DriveError> {
         let mut encoders = Encoders::default();
         let axes = self.options.axes.clone();
@@ -100,12 +100,17 @@ impl Bim2AxDrive {
             }
             let dividend = self.encoder_parameter(AxisParameter::Dividend, axis)?;
             let divisor = self.encoder_parameter(AxisParameter::Divisor, axis)?;
+            if divisor == 0 {
+                let setting = "points of the encoder per turn, divisor";
+                let at = self.module.at(Action::Identify);
+                return Err(DriveError::Setting { at, setting, value: 0, low: 1, high: 65_535 });
+            }
             let microsteps = u32::from(settings.mode.microsteps());
             let watching = EncoderLimits {
                 points: 1,
                 increments: 1,
                 tolerance: self.options.encoder_tolerance.unwrap_or(FULL_STEPS * microsteps),
-                rounding: dividend.div_ceil(divisor.max(1)).saturating_add(ROUNDING),
+                rounding: dividend.div_ceil(divisor).saturating_add(ROUNDING),
                 rate: settings.rate(),
                 start_stop: settings.start_stop(),
                 fastest: settings.speed(u16::MAX),

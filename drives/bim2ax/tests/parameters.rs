@@ -348,6 +348,10 @@ async fn an_inverted_encoder_is_turned_round_and_a_divisor_of_0_is_told() {
     rig.set(AxisParameter::Divisor, 2000).await;
     rig.driver.reset().await.unwrap();
     assert_eq!(messages(&mut rig).await, 0);
+    // The quotient cannot be computed, whether an encoder is there or not (2.2.4).
+    let neither = [no_divisor[0], (AxisParameter::EncoderDefinition, 0)];
+    let mut rig = encoded(EncoderBench::default(), &neither, &ModuleOptions::default()).await;
+    assert_eq!(messages(&mut rig).await, encoder_message::DIVISOR_ZERO);
 }
 
 #[tokio::test(start_paused = true)]

@@ -209,15 +209,16 @@ impl Encoder {
         })
     }
 
-    /// "Message codeur", but for the bits of plug and corrections.
+    /// "Message codeur", but for the bits of plug and corrections. Divisor 0 shows without an encoder, too (2.2.4).
     pub(crate) fn messages(&self) -> u16 {
-        let Some(kind) = self.kind else { return 0 };
-        let kind_bit = match kind {
-            EncoderKind::Incremental => encoder_message::INCREMENTAL,
-            EncoderKind::Ssi => encoder_message::SSI,
-            EncoderKind::EnDat => encoder_message::ENDAT,
+        let kind_bit = match self.kind {
+            Some(EncoderKind::Incremental) => encoder_message::INCREMENTAL,
+            Some(EncoderKind::Ssi) => encoder_message::SSI,
+            Some(EncoderKind::EnDat) => encoder_message::ENDAT,
+            None => 0,
         };
-        let alarm = kind == EncoderKind::EnDat && self.bench.is_some_and(|bench| bench.alarm);
+        let alarm =
+            self.kind == Some(EncoderKind::EnDat) && self.bench.is_some_and(|bench| bench.alarm);
         let bits = [
             (kind_bit, true),
             (encoder_message::DIVISOR_ZERO, self.divisor == 0),
