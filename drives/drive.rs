@@ -1,8 +1,10 @@
 //! The trait `Drive`, which every drive family implements for the twin, and its set-points and samples.
 
+use std::time::Duration;
+
 use crate::{
-    Action, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES, ParameterId,
-    ParameterInfo, Signals,
+    Action, Clock, DeviceLimits, DriveError, Exchange, Identity, Losses, MAX_DRIVE_AXES,
+    ParameterId, ParameterInfo, Signals,
 };
 
 /// Whole increments (steps) per axis of one device.
@@ -195,6 +197,17 @@ pub trait Drive: Send {
     /// # Errors
     /// As [`Self::sample`] and [`Self::move_to`].
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError>;
+
+    /// Answers that were lost since it was opened; nothing is asked.
+    fn losses(&self) -> Losses {
+        Losses::default()
+    }
+
+    /// Time of a round on the wire, in which every axis gets a command and is seen, by the turnaround measured so far; nothing is
+    /// asked. `None` where the wire sets no limit, or nothing is measured yet.
+    fn round(&self) -> Option<Duration> {
+        None
+    }
 
     /// Targets of the last commands that the device has confirmed, as the client remembers them; the device is
     /// asked nothing. `None` for an axis of which it is not known: it has been sent nowhere, a command was not confirmed,

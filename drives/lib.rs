@@ -34,6 +34,7 @@ pub mod drive;
 pub mod emulator_host;
 pub mod encoder_check;
 mod error;
+pub mod exchanges;
 pub mod family;
 mod fault;
 pub mod follow;
@@ -59,6 +60,7 @@ pub use emulator_host::Control;
 pub use error::{
     Action, Axes, DeviceFault, DriveError, EmulatorError, Exchange, ProtocolFault, find_parameter,
 };
+pub use exchanges::{Exchanges, Losses};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
 pub use port::Port;
 pub use prediction::{Prediction, WireRates};

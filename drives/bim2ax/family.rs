@@ -227,7 +227,7 @@ impl Device for Bim2AxEntry {
 
     fn waits(&self, said: Option<Duration>) -> [Duration; 2] {
         let usual = Bim2AxOptions::default();
-        [said.unwrap_or(usual.deadline), usual.worst_latency]
+        [usual.deadline + said.unwrap_or_default(), usual.worst_latency]
     }
 
     fn map_offset(&self) -> Option<u64> {

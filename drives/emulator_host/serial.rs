@@ -282,7 +282,6 @@ impl<T: SerialDevice> Served<T> {
 
     /// What has arrived at the master by now, in the order in which it does.
     fn take_due(&mut self, now_ns: i64) -> Vec<Vec<u8>> {
-        self.outgoing.sort_by_key(|(due_ns, _)| *due_ns);
         let count = self.outgoing.partition_point(|(due_ns, _)| *due_ns <= now_ns);
         self.outgoing.drain(..count).map(|(_, bytes)| bytes).collect()
     }
@@ -297,11 +296,14 @@ impl<T: SerialDevice> Served<T> {
         }
         let passed = self.wire.pass(Direction::Request, frame);
         if passed.echo || self.device.echoes() && self.device.whole(frame).is_some() {
-            self.outgoing.push((passed_ns, frame.to_vec()));
+            self.send(passed_ns, frame.to_vec());
         }
         for (later_ns, frame) in passed.pieces {
-            if later_ns > 0 {
+            // A wire keeps the order of what is on it.
+            let before_ns = self.incoming.last().map(|request| request.due_ns);
+            if later_ns > 0 || before_ns.is_some() {
                 let due_ns = passed_ns.saturating_add(later_ns);
+                let due_ns = due_ns.max(before_ns.unwrap_or(due_ns));
                 self.incoming.push(Delayed { due_ns, frame, refusal: passed.refusal });
             } else {
                 self.execute(&frame, passed_ns, passed.refusal);
@@ -322,9 +324,15 @@ impl<T: SerialDevice> Served<T> {
         let answered_ns = executed_ns.saturating_add(whole_ns(took));
         self.busy_until_ns = self.busy_until_ns.max(answered_ns);
         let passed = self.wire.pass(Direction::Answer, &answer);
-        let pieces = passed.pieces.into_iter();
-        self.outgoing
-            .extend(pieces.map(|(later_ns, piece)| (answered_ns.saturating_add(later_ns), piece)));
+        for (later_ns, piece) in passed.pieces {
+            self.send(answered_ns.saturating_add(later_ns), piece);
+        }
+    }
+
+    /// Bytes arrive at the master at an instant, and not before those that were sent earlier.
+    fn send(&mut self, due_ns: i64, bytes: Vec<u8>) {
+        let before_ns = self.outgoing.last().map_or(due_ns, |(due_ns, _)| *due_ns);
+        self.outgoing.push((due_ns.max(before_ns), bytes));
     }
 }
 

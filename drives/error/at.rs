@@ -23,6 +23,7 @@ impl DriveError {
             | Self::Moving { at, .. }
             | Self::Unfinished { at, .. }
             | Self::NotArrived { at, .. }
+            | Self::NoEffect { at, .. }
             | Self::HomingFailed { at, .. }
             | Self::EncoderDiffers { at, .. }
             | Self::EepromFailed { at }
@@ -46,10 +47,16 @@ impl DriveError {
             | Self::Moving { axes, .. }
             | Self::HomingFailed { axes, .. } => Some(*axes),
             Self::NotArrived { axis, .. }
+            | Self::NoEffect { axis, .. }
             | Self::EncoderDiffers { axis, .. }
             | Self::NotWritten { axis, .. } => Some(*axis),
             _ => None,
         }
+    }
+
+    /// Whether no proper answer came: the device may or may not have done what it was asked.
+    pub fn is_lost(&self) -> bool {
+        matches!(self, Self::Timeout { .. } | Self::Protocol { .. })
     }
 
     /// Whether an encoder says it: counters and orders are as they should be, and the shaft is not.

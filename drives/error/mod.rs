@@ -167,6 +167,16 @@ pub enum DriveError {
         /// Found position, increments.
         found: i64,
     },
+    /// An axis rests although the device has confirmed a move, and confirmed it again.
+    #[error("{at}: {axis} stays at {found} {}: two moves were confirmed and had no effect", axis.unit())]
+    NoEffect {
+        /// Exchange in which it happened.
+        at: Exchange,
+        /// The axis.
+        axis: Axes,
+        /// Found position, increments.
+        found: i64,
+    },
     /// Homing has failed: no switch within the stroke, or something else has stopped it.
     #[error("{at}: homing has failed{}", axes.listed())]
     HomingFailed {

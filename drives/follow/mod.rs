@@ -52,6 +52,8 @@ const DOUBT: f64 = 5.0;
 /// Samples in a row at the same place, and the way that the axis should have gone meanwhile, increments: both together are not an accident.
 const STUCK_SAMPLES: u32 = 12;
 const STUCK_WAY: f64 = 50.0;
+/// Commands in a row without effect that are not an accident.
+const MOST_VAIN: u32 = 2;
 /// How fast an axis may come back to its plan: in parts of the plan's own speed, which counts for a while behind it, s,
 /// and at least, in parts of what the axis can.
 const CATCH_UP: f64 = 3.0;
@@ -146,6 +148,10 @@ struct Tracked<R> {
     started: bool,
     /// Samples in a row that show it at the same place.
     stuck: Stuck,
+    /// A command has been executed since the axis was seen to move.
+    commanded: bool,
+    /// Commands in a row after which the axis was seen at rest where it was before.
+    vain: u32,
     /// The plan's largest speed ahead and of late, steps/s.
     pace: f64,
 }
@@ -184,6 +190,8 @@ impl<R: Registers> Follower<R> {
             variance: 0.0,
             started: false,
             stuck: Stuck::default(),
+            commanded: false,
+            vain: 0,
             pace: 0.0,
         };
         Self {
@@ -201,6 +209,7 @@ impl<R: Registers> Follower<R> {
         for axis in &mut self.axes {
             axis.started = false;
             axis.stuck = Stuck::default();
+            (axis.commanded, axis.vain) = (false, 0);
         }
     }
 
@@ -211,6 +220,11 @@ impl<R: Registers> Follower<R> {
             |axis: &Tracked<R>| axis.stuck.samples >= STUCK_SAMPLES && axis.stuck.way > STUCK_WAY;
         let index = self.axes.iter().position(astray)?;
         self.axes.get(index).map(|axis| (index, axis.stuck.expected))
+    }
+
+    /// An axis that rests although two commands in a row were to move it, each confirmed: the second one repeated the first.
+    pub fn idle(&self) -> Option<usize> {
+        self.axes.iter().position(|axis| axis.vain >= MOST_VAIN)
     }
 
     /// Looks at the plan and names the axes that need a command.
@@ -264,6 +278,7 @@ impl<R: Registers> Follower<R> {
         self.uncertainty.add(seconds(stamp.uncertainty_ns));
         if let Some(axis) = self.axes.get_mut(order.axis) {
             let before = axis.motion.at(executed_ns);
+            axis.commanded = true;
             axis.ramp = axis.registers.ramp(&order.profile);
             axis.motion = Motion::plan(executed_ns, before, &axis.ramp);
             // Had it been executed earlier or later, it would have been at the other speed for that long.
@@ -327,6 +342,12 @@ impl<R: Registers> Tracked<R> {
         let shown = (speed * seconds(stamp.uncertainty_ns)).powi(2) + STEP_V2;
         let difference = counter - model.position;
         let doubtful = difference.abs() > DOUBT * (modelled + shown).sqrt() + 1.0;
+        let still = self.started && !moving && (counter - self.stuck.counter).abs() < 0.5;
+        if !still {
+            (self.commanded, self.vain) = (false, 0);
+        } else if doubtful && std::mem::take(&mut self.commanded) {
+            self.vain += 1;
+        }
         self.stuck.sampled(self.started, counter, model.position, {
             let since = self.motion.at(self.stuck.time_ns).position;
             (model.position - since).abs()

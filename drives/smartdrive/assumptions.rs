@@ -191,9 +191,9 @@ assumptions! {
         "Wire.response" = "2ms",
             (10, "How long does a device take for its answer?",
                 "0 to 50 ms", "waits up to its deadline");
-        "SmartDriveOptions.deadline" = "100ms",
-            (10, "How long does the driver wait for an answer?",
-                "any", "gives up then");
+        "SmartDriveOptions.turnaround" = "80ms",
+            (10, "How long may a drive take for its answer until its turnaround is measured?",
+                "any", "asks again, and gives up after three losses");
         "Wire.execution" = "OnArrival",
             (10, "When in that time does a device carry a command out?",
                 "in the middle, before the answer", "stamps samples so");

@@ -1,8 +1,8 @@
 //! Expected outcome of every fault: from the manuals, and from what drivers promise (`drives-notes`, module pages).
 //!
-//! * Idempotent requests are repeated: InterpCNC reads and stops, ATB PING and GOTO, BIM2AX reads and stops. They
-//!   survive one corrupted frame. Moves of InterpCNC (command 80) and orders of BIM2AX are sent once: if corrupted,
-//!   they are reported.
+//! * Idempotent requests are repeated: InterpCNC reads, stops and moves (command 80), ATB PING and GOTO, BIM2AX reads
+//!   and stops. They survive corrupted frames. Segments of InterpCNC (command 6) and orders of BIM2AX are sent once: if
+//!   corrupted, the former are reported, the latter as well unless a plan is followed.
 //! * Both check sums find corrupted bytes, but the XOR of ATB does not find two swapped ones. The bus of BIM2AX finds
 //!   nothing: corruption shows in the final axis position.
 //! * No family watches its master: an unplugged device goes on to its target.
@@ -45,6 +45,8 @@ pub(crate) enum Cause {
     NotHomed,
     /// The encoder shows the axis elsewhere than its counter.
     Encoder,
+    /// Moves are confirmed, and the axis stays at rest.
+    NoEffect,
 }
 
 impl Cause {
@@ -76,6 +78,7 @@ impl Cause {
             DriveError::Mode { .. } => Self::Reset,
             DriveError::Moving { .. } | DriveError::Unfinished { .. } => Self::Unfinished,
             DriveError::NotArrived { .. } => Self::Elsewhere,
+            DriveError::NoEffect { .. } => Self::NoEffect,
             DriveError::EncoderDiffers { .. } if text.contains("by its encoder") => Self::Encoder,
             DriveError::NotHomed { .. } | DriveError::HomingFailed { .. } => Self::NotHomed,
             _ => return None,
@@ -158,12 +161,13 @@ impl Expected {
 }
 
 use Cause::{
-    Alarm, Elsewhere, Encoder, Gone, Locked, NoAnswer, NotHomed, Refused, Reset, Unfinished,
+    Alarm, Elsewhere, Encoder, Gone, Locked, NoAnswer, NoEffect, NotHomed, Refused, Reset,
+    Unfinished,
 };
 use Expected::{Either, GoesOn, Survived, Told, Unseen};
 
-/// Frames that a fault of the wire befalls: one, but while a plan is followed as many as it takes to hit what is not
-/// repeated (two reads in a row, or a move; 0: until it is reported).
+/// Frames that a fault of the wire befalls: one, but while a plan is followed two in a row, or what spoils an order until
+/// that is reported (0).
 pub(crate) fn frames(family: Family, fault: Fault, doing: Doing) -> u32 {
     let Fault::Wire(direction, wire) = fault else { return 1 };
     match (family, doing) {
@@ -208,7 +212,7 @@ pub(crate) fn seed(family: Family, fault: Fault, doing: Doing) -> u64 {
 pub(crate) fn expected(family: Family, fault: Fault, doing: Doing) -> Expected {
     match fault {
         Fault::Wire(direction, wire) => match family {
-            Family::InterpCnc | Family::Segments => on_modbus(wire, doing),
+            Family::InterpCnc | Family::Segments => on_modbus(family, wire, doing),
             Family::SmartDrive | Family::Pair => on_atb(direction, wire, doing),
             Family::Bim2Ax => on_bus(direction, wire, doing),
         },
@@ -228,14 +232,15 @@ pub(crate) fn expected_with_encoder(family: Family, doing: Doing) -> Expected {
     }
 }
 
-fn on_modbus(wire: WireFault, doing: Doing) -> Expected {
+fn on_modbus(family: Family, wire: WireFault, doing: Doing) -> Expected {
     match (wire, doing) {
         // Answered twice; what comes after an answer answers nothing.
         (WireFault::Duplicate, _) => Survived,
         // Reads and stops are repeated, but not where the board itself refuses.
         (WireFault::Refuse { .. }, _) => Told(&[Refused]),
-        // Command 71 is sent once, as moves are.
-        (_, Doing::Idle | Doing::Moving | Doing::ToHome) => Told(&[NoAnswer]),
+        // Commands 71 and 6 are sent once, and 80 again. Between two segments the board is looked at.
+        (_, Doing::ToHome) => Told(&[NoAnswer]),
+        (_, Doing::Moving) if family == Family::Segments => Either(&[NoAnswer]),
         _ => Survived,
     }
 }
@@ -269,10 +274,11 @@ fn on_bus(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
         // Reads are not refused, and stops are repeated where they are not acknowledged.
         (WireFault::Refuse { .. }, Doing::Idle | Doing::Moving | Doing::ToHome) => Told(&[Refused]),
         (WireFault::Refuse { .. }, _) => Survived,
-        (
-            WireFault::Drop | WireFault::Delay { .. },
-            Doing::Idle | Doing::Moving | Doing::ToHome,
-        ) => Told(&[NoAnswer]),
+        (WireFault::Drop | WireFault::Delay { .. }, Doing::Idle | Doing::ToHome) => {
+            Told(&[NoAnswer])
+        }
+        // A leg whose order is lost is looked after, and another one begun.
+        (WireFault::Drop | WireFault::Delay { .. }, Doing::Moving) => Either(&[NoAnswer]),
         // The zone with the order alone: of its first word one byte is missing, and 0 is no order. Nothing begins.
         (WireFault::Truncate { .. }, Doing::ToHome) if request => Told(&[Refused]),
         // Orders that do not come whole or not first are not taken: there is no receipt.
@@ -326,6 +332,8 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
 
         (DeviceFault::Alarm, Family::InterpCnc | Family::Segments, _) => Told(&[Locked]),
         (DeviceFault::Alarm, _, _) => Told(&[Alarm]),
+
+        (DeviceFault::Ignored, _, _) => Told(&[NoEffect]),
 
         (DeviceFault::Gone, Family::Bim2Ax, _) => GoesOn(&[Gone]),
         (DeviceFault::Gone, _, _) => GoesOn(&[NoAnswer]),

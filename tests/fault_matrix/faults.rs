@@ -78,6 +78,8 @@ pub(crate) enum DeviceFault {
     Alarm,
     /// The status is shown as it was.
     Stuck,
+    /// Moves are confirmed and not carried out.
+    Ignored,
     /// The plug is pulled, and put back.
     Gone,
 }
@@ -117,6 +119,7 @@ impl Fault {
             DeviceFault::Alarm,
             DeviceFault::Gone,
             DeviceFault::Stuck,
+            DeviceFault::Ignored,
         ];
         both.chain(requests).chain(device.map(Self::Device)).collect()
     }
@@ -137,6 +140,7 @@ impl Fault {
             Self::Device(DeviceFault::Stall) => "stall".to_owned(),
             Self::Device(DeviceFault::Alarm) => "alarm".to_owned(),
             Self::Device(DeviceFault::Gone) => "disconnect, reconnect".to_owned(),
+            Self::Device(DeviceFault::Ignored) => "moves without effect".to_owned(),
             Self::Device(DeviceFault::Stuck) => "stuck status".to_owned(),
         }
     }

@@ -391,6 +391,7 @@ impl Rig {
     /// Something goes wrong with the device (true), or no more, with the so-many-th request from now; 0: now.
     pub(crate) fn upset(&self, fault: DeviceFault, on: bool, after: u32) {
         let off_ns = self.clock.ns(OUTAGE);
+        let ignored = if on { u32::MAX } else { 0 };
         match &self.device {
             Device::Board(board, _) => {
                 use interpcnc::emulator::Event;
@@ -401,6 +402,7 @@ impl Rig {
                     DeviceFault::Stall => event(Event::Stall(BoardAxis::X, on)),
                     DeviceFault::Alarm => event(Event::Enable(!on)),
                     DeviceFault::Stuck => event(Event::StuckStatus(on)),
+                    DeviceFault::Ignored => event(Event::IgnoreMoves(ignored)),
                     DeviceFault::Gone => Control::Disconnect(on),
                 };
                 board.control(what.after(after)).expect("the emulator runs");
@@ -415,6 +417,7 @@ impl Rig {
                         Event::Fault { alarms: Alarms::OVERTEMPERATURE, present: on }.to(0)
                     }
                     DeviceFault::Stuck => Event::StuckStatus(on).to(0),
+                    DeviceFault::Ignored => Event::IgnoreMoves(ignored).to(0),
                     DeviceFault::Gone => Control::Disconnect(on),
                 };
                 bus.control(what.after(after)).expect("the emulator runs");
@@ -427,6 +430,7 @@ impl Rig {
                     DeviceFault::Stall => Control::Event(Event::Stall(ModuleAxis::One, on)),
                     DeviceFault::Alarm => Control::Event(Event::Power(ModuleAxis::One, !on)),
                     DeviceFault::Stuck => Control::Event(Event::StuckStatus(on)),
+                    DeviceFault::Ignored => Control::Event(Event::IgnoreMoves(ignored)),
                     DeviceFault::Gone => Control::Disconnect(on),
                 };
                 module.control(what.after(after));
@@ -515,7 +519,8 @@ fn board(clock: RigClock, seed: u64, following: Following, otherwise: Option<Oth
         increments: ENCODER.steps,
         tolerance: ENCODER_TOLERANCE,
     });
-    (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
+    (options.deadline, options.turnaround) = (DEADLINE, Duration::ZERO);
+    options.worst_latency = WORST_LATENCY;
     let path = board.path().to_str().expect("a name").to_owned();
     let drive = InterpCncDrive::open(&path, &options).expect("it opens");
     Device::Board(board, Some(drive))
@@ -563,7 +568,8 @@ fn bus(clock: RigClock, seed: u64, count: u8, otherwise: Option<Otherwise>) -> D
         deceleration_rpm_per_s: 2000,
     };
     let mut options = SmartDriveOptions::new(addresses.map(axis).collect());
-    (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
+    (options.deadline, options.turnaround) = (DEADLINE, Duration::ZERO);
+    options.worst_latency = WORST_LATENCY;
     options.assumptions = assumptions;
     options.mode_change = Duration::from_secs(10);
     let path = bus.path().to_str().expect("a name").to_owned();

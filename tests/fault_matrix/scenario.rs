@@ -495,6 +495,11 @@ pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
         Family::Segments => matches!(doing, Doing::Moving | Doing::Stopping | Doing::Halting),
         _ => true,
     };
+    // Segments go from buffer to axes; of other moves than those of a plan whoever waits for them sees that they do not come.
+    let ignored = fault == Fault::Device(DeviceFault::Ignored);
+    if ignored && (family == Family::Segments || doing != Doing::Moving) {
+        return false;
+    }
     // What befalls the device while it gets the command to home shows when it homes.
     let of_command = doing != Doing::ToHome || of_wire;
     // What becomes of a device that moves shows in the other columns; of two, the other moves as well.

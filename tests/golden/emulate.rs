@@ -244,7 +244,7 @@ fn masters_at_another_speed_are_not_understood() {
     emulated(&desk, start, || {
         for _ in 0..2 {
             let silent = status("9600");
-            silent.ended(2, "no answer within 300 ms");
+            silent.ended(2, "no answer within 3");
             silent.ended(2, "are baud rate and parity those of the device?");
             status("19200").ended(0, "");
         }

@@ -46,6 +46,7 @@ mod process;
 mod program_text;
 mod real;
 mod real_encoders;
+mod real_losses;
 mod real_stops;
 mod real_switches;
 mod recording;

@@ -270,7 +270,7 @@ fn a_station_that_does_not_answer_is_named() {
     );
     shop.homed("short.cnc", "")
         .ended(2, "✗ device `board`: board, address 9: reading parameter")
-        .ended(2, "no answer within 300 ms")
+        .ended(2, "no answer within 533 ms")
         .ended(2, "help: is the device powered? Are A and B of the line swapped");
     shop.untouched();
 }

@@ -3,8 +3,8 @@
 use super::show::{against, amount, table};
 use crate::check::{Outcome, PredictedFollowing};
 use crate::compare::Statistics;
+use crate::hardware::lost_answer;
 use comfy_table::{Cell, CellAlignment, Table};
-use std::time::Duration;
 use twin_drives::WireRates;
 use twin_machine::Machine;
 
@@ -64,7 +64,7 @@ pub(super) fn rates(rates: &WireRates) -> String {
 pub(super) fn lost_answers(machine: &Machine, outcome: &Outcome) -> Option<String> {
     let mut devices = Vec::new();
     for (index, entry) in machine.drives.iter().enumerate() {
-        let lost: Duration = entry.waits().into_iter().sum();
+        let lost = lost_answer(machine, (index, entry));
         let mut axes = Vec::new();
         for (place, axis) in machine.axes_of(index) {
             let peak = outcome.peaks.get(place).map(|peak| peak.velocity);

@@ -7,10 +7,10 @@ use crate::clock::Clock;
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError};
 use std::time::Duration;
-use twin_drives::{Drive, Increments, MAX_DRIVE_AXES, SetpointStream};
+use twin_drives::{Drive, Increments, MAX_DRIVE_AXES, Sample, SetpointStream};
 
 /// Orders to a device's thread.
 pub(super) const APPROACH: u8 = 0;
@@ -25,6 +25,8 @@ pub(super) struct Device {
     pub(super) drive: Box<dyn Drive>,
     pub(super) stream: Arc<Stream>,
     pub(super) order: Arc<AtomicU8>,
+    /// Answers that the driver has lost, for the session.
+    pub(super) lost_answers: Arc<AtomicU32>,
     pub(super) sender: SyncSender<Result<Event, HardwareError>>,
     pub(super) switches: Receiver<Switch>,
     /// Outputs that the session has had switched on.
@@ -110,7 +112,10 @@ impl Device {
     /// As the machine file calls it.
     fn named(&self, error: HardwareError) -> HardwareError {
         match error {
-            HardwareError::WithoutUnit(source) => self.names.attribute(source),
+            HardwareError::WithoutUnit(source) => {
+                let in_row = if source.is_lost() { self.drive.losses().in_row } else { 0 };
+                self.names.attribute(source, in_row)
+            }
             error => error,
         }
     }
@@ -157,8 +162,8 @@ impl Device {
                         let (device, late_ms) = (self.names.device.clone(), late_ns / 1_000_000);
                         return Err(HardwareError::Starved { device, late_ms });
                     }
-                    let sample = self.drive.follow(&*self.stream)?;
-                    if !self.send(Event::Sample(sample)) || !self.switch()? {
+                    let (_, heard) = self.follow()?;
+                    if !heard {
                         return self.brake();
                     }
                 }
@@ -200,6 +205,13 @@ impl Device {
         }
     }
 
+    /// One cycle of following; false if the session is gone.
+    fn follow(&mut self) -> Result<(Sample, bool), HardwareError> {
+        let sample = self.drive.follow(&*self.stream)?;
+        self.lost_answers.store(self.drive.losses().total, Ordering::Relaxed);
+        Ok((sample, self.send(Event::Sample(sample)) && self.switch()?))
+    }
+
     /// Follows on to the end of the stream, until the axes rest there.
     fn settle(&mut self) -> Result<(), HardwareError> {
         let axes = self.drive.axis_count();
@@ -208,8 +220,8 @@ impl Device {
             if self.order() == STOP {
                 return self.brake();
             }
-            let sample = self.drive.follow(&*self.stream)?;
-            if !self.send(Event::Sample(sample)) || !self.switch()? {
+            let (sample, heard) = self.follow()?;
+            if !heard {
                 return self.brake();
             }
             // The session has planned to the end, but the axes follow behind; that they rest now, perhaps just where the

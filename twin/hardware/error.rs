@@ -11,12 +11,14 @@ pub enum HardwareError {
     #[error("{0}")]
     WithoutUnit(#[from] DriveError),
     /// The same, by the names of the machine file.
-    #[error("{whose}: {source}")]
+    #[error("{whose}: {source}{}", if *in_row > 1 { format!(", {in_row} times in a row") } else { String::new() })]
     Drive {
         /// Which device, and which of its axes.
         whose: String,
         /// What.
         source: Box<DriveError>,
+        /// Answers in a row that were lost, where it is about a lost answer.
+        in_row: u32,
     },
     /// An axis position does not fit the counters.
     #[error(
@@ -177,7 +179,7 @@ impl Names {
     }
 
     /// An error of a driver with the device and the axes that it is about; all of them where it does not say which.
-    pub(super) fn attribute(&self, source: DriveError) -> HardwareError {
+    pub(super) fn attribute(&self, source: DriveError, in_row: u32) -> HardwareError {
         let about = |place: usize| {
             let axes = source.axes();
             if self.bus {
@@ -198,7 +200,7 @@ impl Names {
             [axis] => format!("device `{device}`, axis {axis}"),
             _ => format!("device `{device}`, axes {}", concerned.join(", ")),
         };
-        HardwareError::Drive { whose, source: Box::new(source) }
+        HardwareError::Drive { whose, source: Box::new(source), in_row }
     }
 }
 
@@ -236,30 +238,35 @@ mod tests {
     #[test]
     fn errors_of_drivers_name_device_and_axes_of_the_machine_file() {
         let board = names(include_str!("../../machines/gantry3.toml"), 0);
-        let message = board.attribute(DriveError::Locked { at: at(1) }).to_string();
+        let message = board.attribute(DriveError::Locked { at: at(1) }, 0).to_string();
         assert_eq!(
             message,
             "device `board`, axes X, Y, Z: /dev/ttyUSB0, address 1: reading status and positions: the board is locked"
         );
+        let lost =
+            DriveError::Timeout { at: at(1), deadline: std::time::Duration::from_millis(31) };
+        let message = board.attribute(lost, 10).to_string();
+        assert!(message.ends_with("no answer within 31 ms, 10 times in a row"), "{message}");
         let switch = DriveError::LimitSwitch { at: at(1), axes: Axes::Letters(0b10) };
-        assert!(board.attribute(switch).to_string().starts_with("device `board`, axis Y: /dev/"));
+        assert!(
+            board.attribute(switch, 0).to_string().starts_with("device `board`, axis Y: /dev/")
+        );
         // On a bus every axis has its address.
         let bus = Names {
             device: "line".to_owned(),
             axes: vec![(3, "X".to_owned()), (7, "Y".to_owned())],
             bus: true,
         };
-        let message = |address| bus.attribute(DriveError::Stalled { at: at(address) }).to_string();
+        let message =
+            |address| bus.attribute(DriveError::Stalled { at: at(address) }, 0).to_string();
         assert!(message(7).starts_with("device `line`, axis Y: "), "{}", message(7));
         assert!(message(0).starts_with("device `line`, axes X, Y: "), "{}", message(0));
         assert!(message(9).starts_with("device `line`: "), "{}", message(9));
         // A module says which of its axes, from 1.
         let module =
             Names { bus: false, axes: vec![(0, "A".to_owned()), (1, "B".to_owned())], ..bus };
-        let message = module.attribute(DriveError::device(
-            at(0),
-            twin_bim2ax::Fault::AxisMessages { axis: 2, messages: 1 },
-        ));
+        let fault = twin_bim2ax::Fault::AxisMessages { axis: 2, messages: 1 };
+        let message = module.attribute(DriveError::device(at(0), fault), 0);
         assert!(message.to_string().starts_with("device `line`, axis B: "), "{message}");
     }
 }

@@ -70,6 +70,7 @@ impl Hardware {
                     }
                 }
             }
+            of_unit.lost_answers = unit.lost_answers();
             if let Some(clock) = self.clock {
                 self.failures.extend(unit.silence(clock.now_ns()));
             }

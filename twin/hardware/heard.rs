@@ -11,6 +11,8 @@ pub struct Heard {
     last_ns: i64,
     /// Longest time between two of them, ns; in this time the device is not corrected.
     pub longest_gap_ns: i64,
+    /// Answers that were lost and asked for again, from the start-up on.
+    pub lost_answers: u32,
 }
 
 impl Heard {

@@ -19,6 +19,7 @@ use crate::setpoint::AxisSetpoint;
 pub use error::HardwareError;
 use events::Event;
 pub use guard::Guarded;
+pub(crate) use guard::lost_answer;
 pub use heard::{Heard, LastHeard};
 use merge::{Positions, Track};
 use std::collections::VecDeque;

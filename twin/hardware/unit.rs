@@ -10,7 +10,7 @@ use crate::clock::Clock;
 use crate::setpoint::AxisSetpoint;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -58,6 +58,7 @@ pub(super) struct Unit {
     pub(super) index: usize,
     stream: Arc<Stream>,
     order: Arc<AtomicU8>,
+    lost_answers: Arc<AtomicU32>,
     events: Receiver<Result<Event, HardwareError>>,
     thread: Option<JoinHandle<Box<dyn Drive>>>,
     pub(super) axes: Vec<Mapping>,
@@ -100,6 +101,7 @@ impl Unit {
         }
         let stream = Arc::new(Stream::new(rest, cycle_ns));
         let order = Arc::new(AtomicU8::new(APPROACH));
+        let lost_answers = Arc::new(AtomicU32::new(0));
         let (sender, events) = sync_channel(WAITING_SAMPLES);
         let (switches, to_switch) = sync_channel(WAITING_SWITCHES);
         let device = Device {
@@ -107,6 +109,7 @@ impl Unit {
             drive: attached.drive,
             stream: Arc::clone(&stream),
             order: Arc::clone(&order),
+            lost_answers: Arc::clone(&lost_answers),
             sender,
             switches: to_switch,
             on: BTreeSet::new(),
@@ -123,6 +126,7 @@ impl Unit {
             index,
             stream,
             order,
+            lost_answers,
             events,
             thread,
             axes,
@@ -131,6 +135,11 @@ impl Unit {
             ended,
             guard,
         })
+    }
+
+    /// Answers that its driver has lost so far.
+    pub(super) fn lost_answers(&self) -> u32 {
+        self.lost_answers.load(Ordering::Relaxed)
     }
 
     /// Reports silence and excessive following errors from now on.

@@ -212,6 +212,8 @@ pub struct DeviceSamplesReport {
     pub per_s: f64,
     /// Longest time without one, ms.
     pub longest_gap_ms: f64,
+    /// Answers that were lost and asked for again.
+    pub lost_answers: u32,
 }
 
 /// Switching delays of one device: from the set-point at which an output was due until the device confirmed it.

@@ -12,7 +12,7 @@ mod travel;
 
 use std::{io, sync::Arc, time::Duration};
 
-use tokio::time::{sleep, timeout};
+use tokio::time::{Instant, sleep, timeout};
 
 pub use programmed::Start;
 
@@ -23,7 +23,7 @@ use crate::protocol::{
     parameter::Parameter,
     zone::{Orders, ParameterExchange, Positions, ReadZone, Target, WriteZone, ZoneBytes},
 };
-use twin_drives::{Action, Clock, DriveError, Exchange, ProtocolFault};
+use twin_drives::{Action, Clock, DriveError, Exchange, Exchanges, ProtocolFault};
 
 /// First version that takes several zones with one interrupt and gives receipts.
 const ZONES_AT_ONCE: u16 = 15;
@@ -104,6 +104,7 @@ pub struct Bim2Ax {
     version: u16,
     /// An answer may still be on its way.
     late: bool,
+    exchanges: Exchanges,
 }
 
 impl Bim2Ax {
@@ -115,7 +116,13 @@ impl Bim2Ax {
             window: Window::new(memory),
             version: 0,
             late: false,
+            exchanges: Exchanges::new(options.deadline),
         }
+    }
+
+    /// Statistics of its exchanges.
+    pub(crate) fn exchanges(&self) -> &Exchanges {
+        &self.exchanges
     }
 
     /// The settings it was made with.
@@ -241,24 +248,26 @@ impl Bim2Ax {
         self.late = false;
     }
 
-    /// Asks for a zone and reads it. Asked again once if no proper answer comes: it changes nothing.
+    /// Asks for a zone and reads it. Asked again at once if no proper answer comes: it changes nothing.
     async fn exchange(
         &mut self,
         zone: ReadZone,
         clock: &dyn Clock,
     ) -> Result<(ZoneBytes, BusStamp), DriveError> {
         let action = Action::ReadZone { zone: zone.number(), name: zone.name() };
-        let mut again = true;
+        let repeats = self.exchanges.begin();
         loop {
             self.settle().await;
             self.check_running(action)?;
             let sent = self.window.forget_refreshed().and_then(|()| self.window.request(zone));
             self.bus(action, sent)?;
             match self.answer(action, zone, clock).await {
-                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) if again => {
-                    again = false;
+                Err(error) if error.is_lost() && self.exchanges.may_repeat(&repeats) => {}
+                Ok(done) => {
+                    self.exchanges.done();
+                    return Ok(done);
                 }
-                done => return done,
+                failed => return failed,
             }
         }
     }
@@ -280,6 +289,8 @@ impl Bim2Ax {
                 match ReadZone::from_number(refreshed) {
                     Some(found) if found == zone => return Ok(bytes),
                     Some(_) => {
+                        // An answer has come, to something else or spoilt.
+                        module.late = false;
                         let fault = ProtocolFault::Garbled;
                         return Err(DriveError::Protocol { at: module.at(action), fault });
                     }
@@ -289,9 +300,16 @@ impl Bim2Ax {
         };
         // If the caller gives up meanwhile, the answer may come later.
         self.late = true;
+        let begun = Instant::now();
         let outcome = timeout(deadline, async { answered(self).await }).await;
-        let bytes = outcome
-            .unwrap_or_else(|_| Err(DriveError::Timeout { at: self.at(action), deadline }))?;
+        let outcome =
+            outcome.unwrap_or_else(|_| Err(DriveError::Timeout { at: self.at(action), deadline }));
+        let bytes = outcome.inspect_err(|error| {
+            if error.is_lost() {
+                self.exchanges.lost();
+            }
+        })?;
+        self.exchanges.answered(begun.elapsed(), Duration::ZERO);
         self.late = false;
         Ok((bytes, BusStamp { sent_ns, answered_ns: clock.now_ns() }))
     }

@@ -65,9 +65,11 @@ impl Bim2Ax {
             axes.push(axis);
         }
         let (acknowledged, stamp) = self.order(NAME, orders, targets, clock).await?;
-        let done = |axis: ModuleAxis, position, _| {
+        // One that moves for another reason has refused this order.
+        let done = |axis: ModuleAxis, position, messages: u16| {
             let target = targets.get(axis.index()).copied().flatten();
-            target.is_some_and(|target| target.position == position)
+            let there = target.is_some_and(|target| target.position == position);
+            there || messages & message::MOVING != 0
         };
         self.check_started(NAME, uc::PROGRAMMED, &axes, &acknowledged, done, clock).await?;
         Ok(stamp)

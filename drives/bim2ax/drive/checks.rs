@@ -34,15 +34,15 @@ impl Bim2AxDrive {
                 messages & STOPPED & !if moving { turns } else { 0 } != 0
             });
             let stray = self.stray(&seen.0);
+            if self.in_order(&seen.0) != self.vain.from {
+                self.vain.idle = 0;
+            }
             // What has stopped an axis says more than where that is.
             let watched = if obeys.is_ok() { self.watch_encoders(&seen, clock) } else { Ok(()) };
             if looks >= STRAY_LOOKS {
                 obeys?;
                 watched.inspect_err(|error| self.doubt_encoder(error))?;
-                return stray.map_or(Ok(seen), |stray| {
-                    self.sent = None;
-                    Err(stray)
-                });
+                return stray.map_or(Ok(()), |stray| self.idle(&seen.0, stray)).map(|()| seen);
             }
             if let Err(error) = &watched
                 && !error.is_of_encoder()
@@ -51,6 +51,22 @@ impl Bim2AxDrive {
             } else if obeys.is_ok() && watched.is_ok() && stray.is_none() {
                 return self.not_overdue(&seen).map(|()| seen);
             }
+        }
+    }
+
+    /// Axes rest elsewhere than they were sent. Where a leg has begun nowhere, its order had no effect: the next leg repeats it, once.
+    fn idle(&mut self, seen: &Positions, stray: DriveError) -> Result<(), DriveError> {
+        self.sent = None;
+        let leg = matches!(self.following, Following::Leg(_));
+        if !leg || self.in_order(seen) != self.vain.from {
+            return Err(stray);
+        }
+        self.vain.idle += 1;
+        match stray {
+            DriveError::NotArrived { at, axis, found, .. } if self.vain.idle > 1 => {
+                Err(DriveError::NoEffect { at, axis, found })
+            }
+            _ => Ok(()),
         }
     }
 

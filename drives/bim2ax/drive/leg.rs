@@ -24,7 +24,16 @@ impl Bim2AxDrive {
         let starts = self.by_axis(&starts);
         // Whether a lost order is carried out is unknown: the next look shows.
         self.forget();
-        let stamp = self.runtime.block_on(self.module.start(starts, &clock))?;
+        let stamp = match self.runtime.block_on(self.module.start(starts, &clock)) {
+            Err(error) if error.is_lost() => {
+                let begun = self.module.exchanges().begin();
+                let (repeats, lost) = self.vain.unanswered.get_or_insert((begun, 0));
+                *lost += 1;
+                return if repeats.allow(*lost) { Ok(false) } else { Err(error) };
+            }
+            started => started?,
+        };
+        (self.vain.unanswered, self.vain.from) = (None, rest);
         self.sent = Some(leg.targets);
         let executed_ns = stamp.middle_ns();
         self.following = Following::Leg(leg.end_ns + executed_ns - leg.start_ns);

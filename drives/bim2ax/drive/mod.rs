@@ -30,8 +30,8 @@ use crate::{
 };
 use twin_drives::{
     Action, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
-    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
-    drive::is_zero, no_clock,
+    Increments, Losses, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream,
+    Signals, drive::is_zero, exchanges::Repeats, no_clock,
 };
 
 /// Order latency that the manual promises at most, ns (5.5: "au maximum de 10ms").
@@ -51,6 +51,17 @@ enum Following {
     Rest([i32; AXES]),
     /// They move, probably until then, ns.
     Leg(i64),
+}
+
+/// Orders of legs that came to nothing.
+#[derive(Clone, Copy, Debug, Default)]
+struct Vain {
+    /// In a row without answer, and since when.
+    unanswered: Option<(Repeats, u32)>,
+    /// In a row confirmed and without effect.
+    idle: u32,
+    /// Where the last leg began.
+    from: [i32; AXES],
 }
 
 /// What keeps a move from being what was meant: phases are off after a reset, when positions are lost, and a move would
@@ -77,6 +88,8 @@ pub struct Bim2AxDrive {
     homes: Homes,
     /// Where the axes in use have been sent, until something else moves or stops them.
     sent: Option<[i32; AXES]>,
+    /// Legs in a row whose orders have had no effect, or no answer, and where the last of them was to begin.
+    vain: Vain,
     timing: Timing,
     runtime: Runtime,
 }
@@ -128,6 +141,7 @@ impl Bim2AxDrive {
             homing: false,
             homes: Homes::default(),
             sent: None,
+            vain: Vain::default(),
             timing,
             runtime,
         })
@@ -354,6 +368,10 @@ impl Drive for Bim2AxDrive {
             self.following = Following::Rest(self.in_order(&seen));
         }
         Ok(self.to_sample(&seen, &stamp))
+    }
+
+    fn losses(&self) -> Losses {
+        self.module.exchanges().losses()
     }
 
     fn commanded(&self) -> Commanded {

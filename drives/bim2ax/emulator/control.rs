@@ -21,12 +21,14 @@ pub enum Event {
     PhaseShort(ModuleAxis, bool),
     /// Positions and axis messages are shown as they are now for good (true), or as they are.
     StuckStatus(bool),
+    /// The next moves, of this number, are confirmed and not carried out.
+    IgnoreMoves(u32),
     /// The supply fails and is back after this time, ns: the module starts anew.
     BrownOut {
         /// Without supply for so long, ns.
         off_ns: i64,
     },
-    /// The check sum of the EEPROM is wrong from now on.
+    /// The check sum of the EEPROM is wrong from the next RESET or start on.
     SpoilEeprom,
 }
 
@@ -53,6 +55,9 @@ impl Module {
             Event::PhaseOpen(axis, open) => bench(axis, &|bench| bench.phase_open = open),
             Event::PhaseShort(axis, short) => bench(axis, &|bench| bench.phase_short = short),
             Event::StuckStatus(stuck) => self.set_stuck_status(stuck),
+            Event::IgnoreMoves(moves) => {
+                self.axes.iter_mut().for_each(|axis| axis.ignore_moves(moves));
+            }
             Event::BrownOut { off_ns } => self.brown_out(off_ns),
             Event::SpoilEeprom => self.spoil_eeprom(),
         }

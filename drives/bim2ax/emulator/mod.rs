@@ -314,7 +314,7 @@ impl Module {
         &self.eeprom
     }
 
-    /// Spoils the check sum of the EEPROM, which is found at the next RESET.
+    /// Spoils the check sum of the EEPROM, which is found at the next RESET or start.
     pub fn spoil_eeprom(&mut self) {
         self.eeprom.spoil();
     }

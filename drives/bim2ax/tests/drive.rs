@@ -5,10 +5,12 @@ use crate::Fault;
 use crate::tests::common::wall_clock;
 use crate::{
     Bim2AxDrive, Bim2AxDriveOptions, MemoryFile,
-    emulator::{EmulatedModule, EmulatorOptions},
+    emulator::{Control, EmulatedModule, EmulatorOptions, Event},
     protocol::bits::message,
 };
-use twin_drives::{Axes, Drive, DriveError, IncrementMotion, SetpointStream};
+use twin_drives::{
+    Axes, Direction, Drive, DriveError, FaultRule, IncrementMotion, SetpointStream, When, WireFault,
+};
 
 /// A plan of two axes: a line to and fro, at rest before and after.
 pub(super) struct Plan<C> {
@@ -314,6 +316,67 @@ fn in_virtual_time_it_follows_as_well_as_its_wire_allows() {
     assert!(orders >= 6, "{orders}");
     for axis in BOTH {
         assert!(module.module().position(axis).abs() < 0.5);
+    }
+}
+
+/// A drive of axes with nothing in their way, 100 ms before its plan.
+fn free() -> Virtual<impl Fn() -> i64 + Sync + use<>> {
+    let mut eeprom = eeprom();
+    for axis in BOTH {
+        let bits = coefficient::PRESENT | coefficient::IGNORE_SWITCHES;
+        set(&mut eeprom, axis, AxisParameter::Coefficient, bits.into());
+    }
+    let surroundings = Surroundings::default();
+    let options = Bim2AxDriveOptions::new();
+    let mut rig = virtual_drive((&eeprom, &surroundings), &quick(), &options).ready();
+    rig.plan.start_ns = rig.now_ns() + 100_000_000;
+    rig
+}
+
+/// Every tenth answer is lost, to a look or to an order.
+#[test]
+fn a_lost_answer_costs_an_exchange() {
+    let Virtual { mut drive, module, plan } = free();
+    let (direction, when) = (Direction::Answer, When::Every(10));
+    let rule = FaultRule { direction, when, fault: WireFault::Drop };
+    module.module().control(Control::Fault(rule));
+    let mut worst = 0.0_f64;
+    while plan.now_ns() < 1_700_000_000 {
+        let sample = drive.follow(&plan).unwrap();
+        let planned = plan.at(sample.time_ns).position;
+        #[expect(clippy::cast_precision_loss, reason = "small")]
+        let found = sample.position.map(|found| found as f64);
+        for (found, planned) in found.iter().zip(planned).take(2) {
+            worst = worst.max((found - planned).abs());
+        }
+    }
+    let losses = drive.losses();
+    assert!(losses.total > 10 && losses.in_row == 0, "{losses:?}");
+    // 10 ms until the answer counts as lost, 20 ms until nothing late can come, a look and the order: less than 50 ms, twice
+    // where a second loss follows, of 800 µsteps/s.
+    assert!(worst > 800.0 * 0.02 && worst < 800.0 * 0.1, "{worst}");
+    for axis in BOTH {
+        assert!(module.module().position(axis).abs() < 0.5);
+    }
+}
+
+#[test]
+fn an_order_without_effect_is_repeated_once() {
+    for (ignored, goes_on) in [(1, true), (u32::MAX, false)] {
+        let Virtual { mut drive, module, plan } = free();
+        module.module().happen(Event::IgnoreMoves(ignored));
+        let mut outcome = Ok(());
+        while plan.now_ns() < 1_700_000_000 && outcome.is_ok() {
+            outcome = drive.follow(&plan).map(|_| ());
+        }
+        match outcome {
+            Ok(()) => assert!(goes_on),
+            Err(DriveError::NoEffect { axis: Axes::Numbers(_), found: 0, .. }) => {
+                // Within a few looks of 5 ms after two legs have begun.
+                assert!(!goes_on && plan.now_ns() < 200_000_000, "{}", plan.now_ns());
+            }
+            Err(error) => panic!("{error}"),
+        }
     }
 }
 

@@ -4,11 +4,28 @@ use std::borrow::Cow;
 
 use tokio_modbus::{Request, Response};
 
-use super::InterpCnc;
-use twin_drives::{Action, Clock, DriveError};
+use super::{InterpCnc, exchange::Sending};
+use twin_drives::{Action, Clock, DriveError, ProtocolFault};
 
 impl InterpCnc {
-    /// Input registers (function 4), asked again once if no proper answer comes.
+    /// What is understood of the answer to a request that may be repeated.
+    pub(super) async fn understood<T>(
+        &mut self,
+        action: Action,
+        request: &Request<'_>,
+        clock: &dyn Clock,
+        understood: impl Fn(&Response) -> Option<T>,
+    ) -> Result<T, DriveError> {
+        let proper = |board: &mut Self, answer: &Response| {
+            let understood = understood(answer);
+            understood.ok_or_else(|| board.distrust(action, ProtocolFault::Garbled))
+        };
+        self.asked((action, Sending::Repeated), request, clock, proper)
+            .await
+            .map(|(answer, _)| answer)
+    }
+
+    /// Input registers (function 4), asked again at once if no proper answer comes.
     pub(super) async fn read_input(
         &mut self,
         what: &'static str,
@@ -18,13 +35,13 @@ impl InterpCnc {
     ) -> Result<Vec<u16>, DriveError> {
         let action = Action::Read { what, address, count };
         let request = Request::ReadInputRegisters(address, count);
-        self.asked_twice(action, &request, clock, |answer| match answer {
+        let understood = |answer: &Response| match answer {
             Response::ReadInputRegisters(registers) if registers.len() == usize::from(count) => {
                 Some(registers.clone())
             }
             _ => None,
-        })
-        .await
+        };
+        self.understood(action, &request, clock, understood).await
     }
 
     /// Holding registers (function 3), as many exchanges as it takes.
@@ -41,7 +58,7 @@ impl InterpCnc {
             let count = left.min(self.options().assumptions.most_read.max(1));
             let action = Action::Read { what, address, count };
             let request = Request::ReadHoldingRegisters(address, count);
-            let registers = self.asked_twice(action, &request, clock, |answer| match answer {
+            let registers = self.understood(action, &request, clock, |answer| match answer {
                 Response::ReadHoldingRegisters(words) if words.len() == usize::from(count) => {
                     Some(words.clone())
                 }
@@ -68,8 +85,8 @@ impl InterpCnc {
             let action = Action::Write { what, address, count };
             let request = Request::WriteMultipleRegisters(address, Cow::Borrowed(part));
             let done = Response::WriteMultipleRegisters(address, count);
-            self.asked_twice(action, &request, clock, |answer| (*answer == done).then_some(()))
-                .await?;
+            let confirmed = |answer: &Response| (*answer == done).then_some(());
+            self.understood(action, &request, clock, confirmed).await?;
             address = address.saturating_add(count);
         }
         Ok(())
@@ -87,11 +104,11 @@ impl InterpCnc {
         let request = Request::ReadCoils(address, count);
         // The bits come in whole bytes.
         let most = usize::from(count);
-        self.asked_twice(action, &request, clock, |answer| match answer {
+        let understood = |answer: &Response| match answer {
             Response::ReadCoils(bits) => bits.get(..most).map(<[_]>::to_vec),
             _ => None,
-        })
-        .await
+        };
+        self.understood(action, &request, clock, understood).await
     }
 
     /// Address of entry `first` of an area, if `count` entries from there on are in it; `action` names them in the error.

@@ -21,6 +21,7 @@ pub use memory::Snapshot;
 pub use options::{AxisOptions, EncoderOptions, Following, InterpCncOptions};
 pub use settings::Identity;
 
+use self::exchange::Sending;
 use super::{Command, Line, Parity};
 use crate::{
     client::port::SharedPort,
@@ -29,14 +30,10 @@ use crate::{
     },
 };
 use twin_drives::{
-    Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, pause::Pause, port::open_serial,
-    transport::Transport,
+    Action, Clock, DriveError, Exchange, Exchanges, ProtocolFault, Stamp, pause::Pause,
+    port::open_serial, transport::Transport,
 };
 
-/// Attempts at a request that may be sent again.
-const ATTEMPTS: u32 = 2;
-/// Attempts at a stop, which never waits for the wire to become quiet first.
-const STOP_ATTEMPTS: u32 = 3;
 /// Reads after which no more silence is waited for.
 const MOST_LEFTOVERS: u32 = 64;
 
@@ -65,8 +62,8 @@ impl BoardState {
 /// The board as a Modbus address. All calls need a tokio runtime with I/O and time.
 ///
 /// After an exchange without a proper answer the answer may still come, and would be taken for that to the next
-/// request. Before the next request, unless it is a stop, the driver therefore waits until no answer can come any more
-/// and throws away what has come.
+/// request. Before the next request, unless it is a stop, the driver therefore asks something else, whose answer is like no
+/// other, and throws away what comes before it.
 pub struct InterpCnc {
     port: Arc<str>,
     options: InterpCncOptions,
@@ -75,6 +72,9 @@ pub struct InterpCnc {
     in_step: bool,
     /// An answer may still be on its way.
     late: bool,
+    /// Which of the witness reads was the last.
+    turn: u8,
+    exchanges: Exchanges,
     /// Silence between the last frame and the next.
     silence: Option<Pause>,
     /// Whether it has its thread to itself.
@@ -136,6 +136,8 @@ impl InterpCnc {
             transport,
             in_step: false,
             late: false,
+            turn: 0,
+            exchanges: Exchanges::new(options.turnaround),
             silence: None,
             alone: false,
         }
@@ -158,29 +160,23 @@ impl InterpCnc {
         self.late
     }
 
+    /// Statistics of its exchanges.
+    pub(crate) fn exchanges(&self) -> &Exchanges {
+        &self.exchanges
+    }
+
     /// Options it was opened with.
     pub fn options(&self) -> &InterpCncOptions {
         &self.options
     }
 
-    /// Reads status and positions; asked again once if no proper answer comes.
+    /// Reads status and positions; asked again at once if no proper answer comes.
     ///
     /// # Errors
     /// If no proper answer comes.
     pub async fn state(&mut self, clock: &dyn Clock) -> Result<(BoardState, Stamp), DriveError> {
         let request = Request::ReadInputRegisters(STATUS, STATE_REGISTERS);
-        let mut attempt = 1;
-        loop {
-            let outcome = self.settled_exchange(Action::ReadState, request.clone(), clock).await;
-            match outcome.and_then(|(response, stamp)| Ok((self.state_of(&response)?, stamp))) {
-                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
-                    if attempt < ATTEMPTS =>
-                {
-                    attempt += 1;
-                }
-                done => return done,
-            }
-        }
+        self.asked((Action::ReadState, Sending::Repeated), &request, clock, Self::state_of).await
     }
 
     /// Sends a command; success means that the board has accepted it, not that it is finished.
@@ -196,41 +192,24 @@ impl InterpCnc {
         clock: &dyn Clock,
     ) -> Result<Stamp, DriveError> {
         self.check(command)?;
-        let stop =
-            matches!(command, Command::RampStopAxes { .. } | Command::RampStop | Command::Stop);
-        let attempts = if stop {
-            STOP_ATTEMPTS
-        } else if command.is_idempotent() {
-            ATTEMPTS
-        } else {
-            1
+        let sending = match command {
+            Command::RampStopAxes { .. } | Command::RampStop | Command::Stop => Sending::Stop,
+            _ if command.is_idempotent() => Sending::Repeated,
+            _ => Sending::Once,
         };
         let registers = command.registers();
-        let mut attempt = 1;
-        loop {
-            let request = Request::WriteMultipleRegisters(COMMAND, Cow::Borrowed(&registers));
-            let outcome = if stop {
-                // A stop does not wait: a late answer of another exchange confirms other registers, which shows it.
-                self.exchange(command.action(), request, clock).await
-            } else {
-                self.settled_exchange(command.action(), request, clock).await
-            };
-            match outcome.and_then(|(response, stamp)| {
-                self.confirmed(command, &registers, &response).map(|()| stamp)
-            }) {
-                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
-                    if attempt < attempts =>
-                {
-                    attempt += 1;
-                }
-                Err(error) => return Err(self.if_locked(error, clock).await),
-                done => return done,
-            }
+        let request = Request::WriteMultipleRegisters(COMMAND, Cow::Borrowed(&registers));
+        let confirmed =
+            |board: &mut Self, answer: &Response| board.confirmed(command, &registers, answer);
+        let outcome = self.asked((command.action(), sending), &request, clock, confirmed).await;
+        match outcome {
+            Ok(((), stamp)) => Ok(stamp),
+            Err(error) => Err(self.if_locked(error, clock).await),
         }
     }
 
     /// Switches output `output` (1 to 32) and reads it back: a locked board confirms the write and leaves the output
-    /// alone. Asked again once if no proper answer comes.
+    /// alone. Asked again at once if no proper answer comes.
     ///
     /// # Errors
     /// If the output does not exist, the board refuses it or is locked, or no proper answer comes.
@@ -255,11 +234,11 @@ impl InterpCnc {
         let write = Request::WriteSingleCoil(coil, on);
         let done = Response::WriteSingleCoil(coil, on);
         let confirmed = |answer: &Response| (*answer == done).then_some(());
-        if let Err(error) = self.asked_twice(action, &write, clock, confirmed).await {
+        if let Err(error) = self.understood(action, &write, clock, confirmed).await {
             return Err(self.if_locked(error, clock).await);
         }
         let read = Request::ReadCoils(coil, 1);
-        let state = self.asked_twice(action, &read, clock, |answer| match answer {
+        let state = self.understood(action, &read, clock, |answer| match answer {
             Response::ReadCoils(coils) => coils.first().copied(),
             _ => None,
         });

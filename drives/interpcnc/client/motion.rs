@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use tokio::time::sleep;
+
 use super::{BoardState, InterpCnc};
 use crate::{
     AxisValues, Command, MoveProfile,
@@ -125,8 +127,7 @@ impl InterpCnc {
         let late = self.is_late();
         self.send(command, clock).await?;
         if late {
-            // The board is asked only when nothing can arrive any more.
-            self.state(clock).await?;
+            sleep(self.options().worst_latency).await;
             self.send(command, clock).await?;
         }
         Ok(())

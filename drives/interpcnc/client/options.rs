@@ -8,7 +8,7 @@ use crate::{
     Assumptions,
     protocol::registers::{AxisMask, BoardAxis, MAX_SPEED_HZ, STATE_REGISTERS},
 };
-use twin_drives::{Action, DriveError, Exchange};
+use twin_drives::{Action, DriveError, Exchange, exchanges::longest_repeating};
 
 /// Registers of the longest command: number and axes, speed, five targets (command 6). A command goes in one frame, for
 /// the board carries out what has come with its number.
@@ -82,10 +82,12 @@ pub struct InterpCncOptions {
     pub address: u8,
     /// Speed and parity; board parameters 101 and 102.
     pub line: Line,
-    /// Longest time an exchange may take. A USB adapter alone may add 16 ms.
+    /// Added to the time that the bytes of an exchange and the turnaround of the board take: the longest delay of computer and
+    /// adapter.
     pub deadline: Duration,
-    /// Time after which an answer that is late comes no more. After a missed deadline the driver waits so long
-    /// before it asks anything but a stop, lest the late answer be taken for the next.
+    /// Longest turnaround of board and adapter until it is measured.
+    pub turnaround: Duration,
+    /// Time after which a request that is late arrives no more: a stop is sent again after it.
     pub worst_latency: Duration,
     /// Axes in use, in the order of the arrays of [`twin_drives::Drive`].
     pub axes: Vec<AxisOptions>,
@@ -100,12 +102,13 @@ pub struct InterpCncOptions {
 }
 
 impl InterpCncOptions {
-    /// Station 1, 115200 baud, no parity, 250 ms, the given axes, no echo.
+    /// Station 1, 115200 baud, no parity, 20 ms added, 230 ms until the turnaround is measured, the given axes, no echo.
     pub fn new(axes: Vec<AxisOptions>) -> Self {
         Self {
             address: 1,
             line: Line::default(),
-            deadline: Duration::from_millis(250),
+            deadline: Duration::from_millis(20),
+            turnaround: Duration::from_millis(230),
             worst_latency: Duration::from_millis(500),
             axes,
             encoder: None,
@@ -118,6 +121,12 @@ impl InterpCncOptions {
     /// Silence that ends a frame.
     pub(crate) fn silence(&self) -> Duration {
         self.assumptions.silence_on(self.line)
+    }
+
+    /// Time in which a few exchanges have an answer, one of them asked again and again.
+    pub(crate) fn patience(&self) -> Duration {
+        let attempt = self.deadline + self.turnaround;
+        longest_repeating(attempt) + 2 * (attempt + self.worst_latency)
     }
 
     /// The board axes in use.

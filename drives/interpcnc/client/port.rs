@@ -16,7 +16,32 @@ use twin_drives::transport::Transport;
 struct Port<T: ?Sized> {
     /// Bytes whose echo has not come yet; none is kept where there is no echo.
     echo: Option<VecDeque<u8>>,
+    /// Bytes that are still missing of the answer awaited, if one is.
+    missing: Option<usize>,
     transport: T,
+}
+
+impl Port<dyn Transport> {
+    fn read(&mut self, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        let Some(echo) = &mut self.echo else {
+            return Pin::new(&mut self.transport).poll_read(cx, buf);
+        };
+        let mut chunk = [0; 256];
+        // Nothing left of what was read would mean the end of the stream: read on until something is.
+        loop {
+            let room = chunk.len().min(buf.remaining());
+            let mut read = ReadBuf::new(chunk.get_mut(..room).unwrap_or_default());
+            ready!(Pin::new(&mut self.transport).poll_read(cx, &mut read))?;
+            if read.filled().is_empty() {
+                return Poll::Ready(Ok(()));
+            }
+            let left = without_echo(read.filled(), echo);
+            if !left.is_empty() {
+                buf.put_slice(left);
+                return Poll::Ready(Ok(()));
+            }
+        }
+    }
 }
 
 /// One of several handles on a transport. Only one of them is used at a time: a client is dropped before the port
@@ -27,7 +52,11 @@ pub(crate) struct SharedPort(Arc<Mutex<Port<dyn Transport>>>);
 impl SharedPort {
     /// With `echo`, every byte sent comes back before the answer and is taken away.
     pub(crate) fn new(transport: impl Transport + 'static, echo: bool) -> Self {
-        Self(Arc::new(Mutex::new(Port { echo: echo.then(VecDeque::new), transport })))
+        Self(Arc::new(Mutex::new(Port {
+            echo: echo.then(VecDeque::new),
+            missing: None,
+            transport,
+        })))
     }
 
     fn lock(&self) -> MutexGuard<'_, Port<dyn Transport + 'static>> {
@@ -36,9 +65,12 @@ impl SharedPort {
 
     /// No echo is awaited any more.
     pub(crate) fn forget_echo(&self) {
-        if let Some(echo) = &mut self.lock().echo {
-            echo.clear();
-        }
+        self.lock().echo.iter_mut().for_each(VecDeque::clear);
+    }
+
+    /// An answer of this many bytes is awaited, or none: reading on after as many is an error, [`io::ErrorKind::InvalidData`].
+    pub(crate) fn expect(&self, bytes: Option<usize>) {
+        self.lock().missing = bytes;
     }
 }
 
@@ -63,24 +95,17 @@ impl AsyncRead for SharedPort {
         buf: &mut ReadBuf<'_>,
     ) -> Poll<io::Result<()>> {
         let port = &mut *self.lock();
-        let Some(echo) = &mut port.echo else {
-            return Pin::new(&mut port.transport).poll_read(cx, buf);
-        };
-        let mut chunk = [0; 256];
-        // Nothing left of what was read would mean the end of the stream: read on until something is.
-        loop {
-            let room = chunk.len().min(buf.remaining());
-            let mut read = ReadBuf::new(chunk.get_mut(..room).unwrap_or_default());
-            ready!(Pin::new(&mut port.transport).poll_read(cx, &mut read))?;
-            if read.filled().is_empty() {
-                return Poll::Ready(Ok(()));
+        let before = buf.filled().len();
+        let read = port.read(cx, buf);
+        match (&read, &mut port.missing) {
+            (Poll::Ready(Ok(())), Some(missing)) => {
+                *missing = missing.saturating_sub(buf.filled().len() - before);
             }
-            let left = without_echo(read.filled(), echo);
-            if !left.is_empty() {
-                buf.put_slice(left);
-                return Poll::Ready(Ok(()));
-            }
+            // All of it has come, and whoever reads still sees no answer.
+            (Poll::Pending, Some(0)) => return Poll::Ready(Err(io::ErrorKind::InvalidData.into())),
+            _ => {}
         }
+        read
     }
 }
 

@@ -45,6 +45,16 @@ impl InterpCncDrive {
             .iter()
             .map(|axis| (counter(&state, axis.axis), moving.contains(axis.axis)));
         self.follower.sampled(&stamp, counters);
+        let idle = self.follower.idle().and_then(|index| self.axes().nth(index));
+        if let Some(axis) = idle {
+            self.restart();
+            let (at, found) = (self.board.at(Action::ReadState), counter(&state, axis).into());
+            return Err(DriveError::NoEffect {
+                at,
+                axis: Axes::Letters(axis.mask().bits()),
+                found,
+            });
+        }
         let astray = self.follower.astray();
         let astray = astray.and_then(|(index, expected)| Some((self.axes().nth(index)?, expected)));
         if let Some((axis, expected)) = astray {

@@ -20,13 +20,13 @@ use crate::{
     drive::follow::{Buffered, Follower},
     protocol::{
         parameters,
-        registers::{AXES, AxisMask, COMMAND, Status},
+        registers::{AXES, AxisMask, COMMAND, STATE_REGISTERS, Status},
     },
 };
 use twin_drives::{
     Action, Axes, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays,
-    Identity, Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream,
-    Signals, drive::is_zero, no_clock,
+    Identity, Increments, Losses, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample,
+    SetpointStream, Signals, drive::is_zero, no_clock,
 };
 
 /// An InterpCNC board on a serial port.
@@ -351,6 +351,23 @@ impl Drive for InterpCncDrive {
         self.follow_cycle(stream)
     }
 
+    fn losses(&self) -> Losses {
+        self.board.exchanges().losses()
+    }
+
+    fn round(&self) -> Option<Duration> {
+        let options = self.board.options();
+        let turnaround = self.board.exchanges().usual_turnaround()?;
+        let exchange = |bytes| options.line.duration(bytes) + 2 * options.silence() + turnaround;
+        let sample = exchange(8 + 5 + 2 * usize::from(STATE_REGISTERS));
+        let axes = options.axes.len();
+        Some(match options.following {
+            // Request 27 bytes, answer 8, for each axis.
+            Following::Retargeted => sample + exchange(27 + 8) * u32::try_from(axes).unwrap_or(1),
+            Following::Buffered { .. } => sample + exchange(17 + 4 * axes + 8),
+        })
+    }
+
     fn commanded(&self) -> Commanded {
         self.commanded.map(|target| target.map(i64::from))
     }
@@ -363,8 +380,7 @@ impl Drive for InterpCncDrive {
             f64::from(axis.max_speed_hz) / (1e3 * f64::from(axis.deceleration_khz_per_s.max(1)))
         };
         let slowest = options.axes.iter().map(braking).fold(0.0, f64::max);
-        let patience =
-            Duration::from_secs_f64(slowest) + 2 * (options.deadline + options.worst_latency);
+        let patience = Duration::from_secs_f64(slowest) + options.patience();
         let mask = options.mask();
         let mut moving = mask;
         let at_rest = async {

@@ -186,7 +186,7 @@ impl InterpCncDrive {
         let eeprom = std::time::Duration::from_nanos(
             u64::try_from(options.assumptions.eeprom_write_ns).unwrap_or(0).saturating_mul(4),
         );
-        let patience = eeprom + 4 * (options.deadline + options.worst_latency);
+        let patience = eeprom + options.patience();
         let kept = self.board.set_parameter(id.number, bits, patience, &no_clock);
         self.runtime.block_on(kept)
     }

@@ -42,6 +42,8 @@ pub enum Event {
     Stall(BoardAxis, bool),
     /// The status is shown as it is now for good (true), or as it is.
     StuckStatus(bool),
+    /// The next moves, of this number, are confirmed and not carried out.
+    IgnoreMoves(u32),
     /// Writes to the EEPROM fail (true) or no more.
     BreakEeprom(bool),
     /// The supply fails and is back after this time, ns.
@@ -64,6 +66,7 @@ impl Board {
             Event::Condition(condition, on) => self.set_condition(condition, on),
             Event::Stall(axis, stalled) => self.set_stalled(axis, stalled),
             Event::StuckStatus(stuck) => self.set_stuck_status(stuck),
+            Event::IgnoreMoves(moves) => self.ignored_moves = moves,
             Event::BreakEeprom(broken) => self.set_eeprom_broken(broken),
             Event::BrownOut { off_ns } => self.brown_out(off_ns),
         }

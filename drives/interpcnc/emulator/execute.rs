@@ -209,6 +209,10 @@ impl Board {
             let refuses = self.assumptions.busy_axis_refuses;
             return if refuses { Err(Refusal::Failure) } else { Ok(()) };
         }
+        if self.ignored_moves > 0 {
+            self.ignored_moves -= 1;
+            return Ok(());
+        }
         match *command {
             Command::Move { axis, profile } => {
                 self.abandon_probe(axis);

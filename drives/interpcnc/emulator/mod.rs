@@ -89,6 +89,8 @@ pub struct Board {
     conditions: (u32, u32),
     /// Status and extended status that are shown instead of the real ones.
     stuck: Option<(u32, u32)>,
+    /// Moves to come that are confirmed and not carried out.
+    ignored_moves: u32,
     locked: bool,
     /// Whether 24 V are on the ENABLE input.
     enable_input: bool,

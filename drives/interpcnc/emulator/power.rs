@@ -63,6 +63,7 @@ impl Board {
             buffer: Buffer::default(),
             conditions: (0, 0),
             stuck: None,
+            ignored_moves: 0,
             locked: true,
             enable_input: options.enable,
             counts: options.counts,

@@ -176,14 +176,20 @@ impl Command {
         }
     }
 
-    /// True if the board, given the command twice in a row, ends up as if given it once, whenever the second arrives.
-    /// Only these are sent again after a lost answer.
+    /// True if the board, given the command twice in a row, ends up as if given it once. Only these are sent again after a lost
+    /// answer.
     ///
-    /// Stops and resets are. Moves are not: the second 80 would revive a move that something stopped in between,
-    /// 6 would queue a second segment, 40, 71 and 78 start over, and 67 arriving late rewrites a counter that has
-    /// moved on.
+    /// Stops, resets and independent moves (80), whose targets are absolute, are. The others are not: 6 would queue a second
+    /// segment, 40, 71 and 78 start over, and 67 arriving late rewrites a counter that has moved on.
     pub fn is_idempotent(&self) -> bool {
-        matches!(self, Self::RampStopAxes { .. } | Self::RampStop | Self::Stop | Self::Reset { .. })
+        matches!(
+            self,
+            Self::RampStopAxes { .. }
+                | Self::RampStop
+                | Self::Stop
+                | Self::Reset { .. }
+                | Self::Move { .. }
+        )
     }
 
     /// The registers from 4096 on.

@@ -3,24 +3,24 @@
 
 use std::time::Duration;
 
-use tokio::time::sleep;
+use tokio::time::{Instant, sleep};
 
 use super::{
     ENABLE_OPEN, Kind, LOCKED, LOST, TIMEOUT, UNFINISHED,
-    board::{LONG, happen, no_clock, usual},
+    board::{LONG, Rig, happen, no_clock, usual},
     common::fault_of,
     fails, go, home, profile,
 };
 use crate::{
-    AxisMask, BoardAxis, Command, Exception, InterpCnc,
-    emulator::{Control, Event},
+    AxisMask, BoardAxis, Command, Exception, InterpCnc, Line,
+    emulator::{BoardOptions, Control, Event},
 };
 use twin_drives::{Direction, FaultRule, When, WireFault};
 
 /// Every fault of a wire, each so that a frame of this board cannot pass unharmed where it harms at all.
 const FAULTS: [WireFault; 12] = [
     WireFault::Drop,
-    WireFault::Delay { ns: 400_000_000 },
+    WireFault::Delay { ns: 100_000_000 },
     WireFault::Corrupt { bytes: 1 },
     WireFault::Lose { bytes: 1 },
     WireFault::Double { bytes: 1 },
@@ -88,7 +88,7 @@ fn one_harmed_frame(fault: WireFault, direction: Direction, doing: Vec<Command>,
         hand.send(Control::NoFaults).await.unwrap();
         driver.state(&no_clock).await.unwrap();
 
-        // A move, which is never sent twice: done, or an error.
+        // A move: sent again where no answer comes, and done, or an error.
         hand.send(Control::Fault(rule)).await.unwrap();
         let moved = driver.send(&go(BoardAxis::Y, 300), &no_clock).await;
         hand.send(Control::NoFaults).await.unwrap();
@@ -113,6 +113,49 @@ fn one_harmed_frame(fault: WireFault, direction: Direction, doing: Vec<Command>,
         works(&mut driver, case).await;
     });
     assert!(board.status().moving().is_empty(), "{case}");
+}
+
+/// 125 registers are 255 bytes, which take 266 ms at 9600 baud; the turnaround of the board is known by then.
+#[test]
+fn a_long_answer_on_a_slow_line_has_its_time() {
+    let line = Line { baud: 9600, ..Line::default() };
+    Rig::new(BoardOptions { line, ..BoardOptions::default() }).run(
+        |mut driver, _hand| async move {
+            for _ in 0..20 {
+                driver.state(&no_clock).await.unwrap();
+            }
+            assert_eq!(driver.parameters(0, 63, &no_clock).await.unwrap().len(), 63);
+            assert_eq!(driver.exchanges().losses().total, 0);
+        },
+    );
+}
+
+/// Nine answers in a row are lost or spoilt: the tenth attempt succeeds. One more is too many, and the first loss is the cause.
+#[test]
+fn nine_losses_in_a_row_are_survived() {
+    for fault in [WireFault::Drop, WireFault::WrongCheck] {
+        for (lost, survived) in [(9, true), (10, false)] {
+            usual().run(|mut driver, hand| async move {
+                driver.unlock(&no_clock).await.unwrap();
+                for _ in 0..6 {
+                    driver.state(&no_clock).await.unwrap();
+                }
+                let (direction, when) = (Direction::Answer, When::Next(lost));
+                hand.send(Control::Fault(FaultRule { direction, when, fault })).await.unwrap();
+                let begun = Instant::now();
+                let moved = driver.send(&go(BoardAxis::X, 300), &no_clock).await;
+                assert_eq!(moved.is_ok(), survived, "{fault} {lost}: {moved:?}");
+                // 20 ms to spare, 4 ms of bytes, the turnaround of 2 ms and two silences.
+                let most = u64::from(lost) * 45;
+                assert!(
+                    begun.elapsed() < Duration::from_millis(most + 20),
+                    "{:?}",
+                    begun.elapsed()
+                );
+                assert_eq!(driver.exchanges().losses().total, lost);
+            });
+        }
+    }
 }
 
 /// A wire that harms one frame in four for a while: whatever succeeds is true.
@@ -165,7 +208,7 @@ fn an_echo_is_cancelled_where_it_is_expected() {
             hand.send(Control::Disconnect(true)).await.unwrap();
             fails(&driver.send(&go(BoardAxis::X, 9), &no_clock).await, TIMEOUT);
             hand.send(Control::Disconnect(false)).await.unwrap();
-            // A move is sent once only: its own echo, and not another, is taken away.
+            // Its own echo, and not another, is taken away.
             driver.send(&go(BoardAxis::X, 9), &no_clock).await.unwrap();
         });
     }

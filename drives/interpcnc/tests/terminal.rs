@@ -179,7 +179,7 @@ fn a_board_slower_than_the_deadline_is_a_timeout_and_no_wrong_answer() {
     let board = emulated(&EmulatorOptions { wire, ..EmulatorOptions::default() });
     let mut hasty = options(&[BoardAxis::X]);
     hasty.deadline = Duration::from_millis(40);
-    hasty.worst_latency = Duration::from_millis(300);
+    hasty.turnaround = Duration::ZERO;
     let mut drive = open(&board, &hasty);
     fails(&drive.probe(&stream), TIMEOUT);
     drop(drive);
@@ -201,8 +201,8 @@ fn another_station_and_other_line_settings_work() {
     let board = emulated(&emulator);
     let right = InterpCncOptions { address: 42, line, ..options(&[BoardAxis::X]) };
     open(&board, &right).probe(&stream).unwrap();
-    let (deadline, worst_latency) = (Duration::from_millis(60), Duration::from_millis(10));
-    let wrong = InterpCncOptions { address: 41, deadline, worst_latency, ..right };
+    let (deadline, turnaround) = (Duration::from_millis(60), Duration::ZERO);
+    let wrong = InterpCncOptions { address: 41, deadline, turnaround, ..right };
     fails(&open(&board, &wrong).probe(&stream), TIMEOUT);
     // At another speed nothing is understood, and nothing is left of it for who speaks as the board does.
     let line = Line { baud: 38_400, ..line };
@@ -293,7 +293,7 @@ fn a_speed_that_is_stored_holds_from_the_next_start_on() {
     let deaf = |board: &EmulatedBoard, baud| {
         let hasty = InterpCncOptions {
             deadline: Duration::from_millis(60),
-            worst_latency: Duration::from_millis(10),
+            turnaround: Duration::ZERO,
             ..at(baud)
         };
         open(board, &hasty).probe(&stream).is_err_and(|error| TIMEOUT(&error))

@@ -16,7 +16,7 @@ use std::{io, pin::Pin, sync::Arc, time::Duration};
 use tokio::{
     io::{AsyncReadExt, AsyncWriteExt},
     task::yield_now,
-    time::{Sleep, sleep, timeout},
+    time::{Instant, Sleep, sleep, timeout},
 };
 use tokio_serial::{DataBits, FlowControl, Parity, StopBits};
 
@@ -26,12 +26,12 @@ use crate::{
     protocol::frame::{Answer, answer_length, encode},
 };
 use twin_drives::{
-    Action, Clock, DriveError, Exchange, Stamp, port::open_serial, ramp::whole_ns,
-    transport::Transport,
+    Action, Clock, DriveError, Exchange, Exchanges, ProtocolFault, Stamp, port::open_serial,
+    ramp::whole_ns, transport::Transport,
 };
 
-/// Attempts at a command that may be sent again.
-const ATTEMPTS: u32 = 2;
+/// Refusals, of frames that were spoilt on their way, after which a command is refused.
+const REFUSALS: u32 = 2;
 /// Reads after which no more silence is waited for.
 const MOST_LEFTOVERS: u32 = 64;
 /// Silence after which what has come late is all there is.
@@ -40,8 +40,7 @@ const QUIET: Duration = Duration::from_millis(2);
 /// The master of a bus with one or more drives. All calls need a tokio runtime with I/O and time.
 ///
 /// After an exchange without a proper answer the answer may still come, and would be taken for that to the next
-/// command. Before the next command, unless it is a broadcast, the driver therefore waits until no answer can come any
-/// more and throws away what has come. Then, and whenever something comes that answers nothing, it asks what is known of
+/// command. Then, and whenever something comes that answers nothing, it asks what is known of
 /// every drive until question and answer agree: answers do not tell what they answer.
 pub struct SmartDrive {
     port: Arc<str>,
@@ -55,6 +54,7 @@ pub struct SmartDrive {
     pub(super) doubtful: u32,
     /// Which of the known questions was asked last.
     pub(super) turn: bool,
+    exchanges: Exchanges,
     /// Silence between the last frame and the next.
     silence: Option<Pin<Box<Sleep>>>,
 }
@@ -117,6 +117,7 @@ impl SmartDrive {
             late: false,
             doubtful: 0,
             turn: false,
+            exchanges: Exchanges::new(options.turnaround),
             silence: None,
         }
     }
@@ -129,6 +130,11 @@ impl SmartDrive {
     /// Whether a command or an answer may still be on its way.
     pub(crate) fn is_late(&self) -> bool {
         self.late
+    }
+
+    /// Statistics of its exchanges.
+    pub(crate) fn exchanges(&self) -> &Exchanges {
+        &self.exchanges
     }
 
     /// Options it was opened with.
@@ -163,30 +169,48 @@ impl SmartDrive {
                 high: 31.0,
             });
         }
-        let mut attempts = if command.is_idempotent() { ATTEMPTS } else { 1 };
-        let mut refusals = 0;
+        let repeats = self.exchanges.begin();
+        // Drives that cannot be brought in step are asked so once more.
+        let (mut refusals, mut out_of_step) = (0, 0);
         loop {
-            self.settle(&at).await?;
-            attempts -= 1;
-            let outcome = match self.resume_step(&at, command).await {
+            let outcome = match self.settled_step(&at, command).await {
                 Ok(()) => self.exchange(&at, &encode(address, command), clock).await,
                 Err(error) => Err(error),
             };
             match outcome {
-                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) if attempts > 0 => {}
+                Err(error) if error.is_lost() && command.is_idempotent() => {
+                    let stepless = matches!(
+                        error,
+                        DriveError::Protocol { fault: ProtocolFault::OutOfStep, .. }
+                    );
+                    out_of_step += u32::from(stepless);
+                    if out_of_step > 1 || !self.exchanges.may_repeat(&repeats) {
+                        return Err(error);
+                    }
+                }
                 Ok((answer, _)) if answer.status.rejected() => {
                     let reason = RejectCode::from_number(answer.tag).unwrap_or(RejectCode::Generic);
                     let spoilt = self.options.assumptions.bad_frame == BadFrame::Refused(reason);
                     refusals += 1;
-                    if spoilt && refusals < ATTEMPTS {
-                        attempts += 1;
+                    if spoilt && refusals < REFUSALS {
                         continue;
                     }
+                    self.exchanges.done();
                     return Err(Fault::Rejected(reason).at(at));
                 }
-                done => return done,
+                Ok(done) => {
+                    self.exchanges.done();
+                    return Ok(done);
+                }
+                failed => return failed,
             }
         }
+    }
+
+    /// As [`Self::settle`], until question and answer agree.
+    async fn settled_step(&mut self, at: &Exchange, command: &Command) -> Result<(), DriveError> {
+        self.settle(at).await?;
+        self.resume_step(at, command).await
     }
 
     /// Sends a command to all drives, which execute it and do not answer. Waits for no late answer: this is how drives
@@ -210,17 +234,12 @@ impl SmartDrive {
         }
     }
 
-    /// Waits for late answers, and throws away what answers nothing. Whether there was nothing of the kind: else drives
-    /// may be out of step.
+    /// Throws away what answers nothing. Whether there was nothing of the kind: else drives may be out of step.
     pub(super) async fn settle(&mut self, at: &Exchange) -> Result<bool, DriveError> {
         self.pause().await;
-        if self.late {
-            sleep(self.options.worst_latency).await;
-        }
         let clean = if self.late || self.dirty {
             let clean = self.clear(at).await?;
-            self.late = false;
-            self.dirty = false;
+            (self.late, self.dirty) = (false, false);
             clean
         } else {
             self.drain(at).await?
@@ -288,16 +307,15 @@ impl SmartDrive {
         frame: &[u8],
         clock: &dyn Clock,
     ) -> Result<(Answer, Stamp), DriveError> {
-        let deadline = self.options.deadline;
+        let length = answer_length(frame, self.options.assumptions.answer_length);
+        let wire = wire_time(frame.len() + length);
+        let deadline = self.exchanges.deadline(wire, self.options.deadline);
         // Also if the caller gives up in the middle.
         self.late = true;
         let doubtful = self.doubtful;
         self.doubt(at.address);
-        let mut search = Search::new(
-            frame,
-            at.address,
-            answer_length(frame, self.options.assumptions.answer_length),
-        );
+        let mut search = Search::new(frame, at.address, length);
+        let begun = Instant::now();
         let sent_ns = clock.now_ns();
         let outcome = timeout(deadline, async {
             self.write(frame).await?;
@@ -308,18 +326,23 @@ impl SmartDrive {
                     return Err(io::ErrorKind::UnexpectedEof.into());
                 }
                 if let Some(answer) = search.take(chunk.get(..count).unwrap_or_default()) {
-                    return Ok(answer);
+                    return Ok(Some(answer));
+                }
+                if search.is_spoilt() {
+                    return Ok(None);
                 }
             }
         });
         let outcome = outcome.await;
+        let took = begun.elapsed();
         let answered_ns = clock.now_ns().max(sent_ns);
         if !self.options.silence.is_zero() {
             self.silence = Some(Box::pin(sleep(self.options.silence)));
         }
         let at = at.clone();
         match outcome {
-            Ok(Ok(answer)) => {
+            Ok(Ok(Some(answer))) => {
+                self.exchanges.answered(took, wire);
                 self.late = false;
                 self.doubtful = doubtful;
                 self.dirty = search.is_noisy();
@@ -330,10 +353,13 @@ impl SmartDrive {
                 Ok((answer, self.stamp((sent_ns, answered_ns), bytes)))
             }
             Ok(Err(source)) => Err(DriveError::Transport { at, source }),
-            Err(_) => match search.fault() {
-                Some(fault) => Err(DriveError::Protocol { at, fault }),
-                None => Err(DriveError::Timeout { at, deadline }),
-            },
+            Ok(Ok(None)) | Err(_) => {
+                self.exchanges.lost();
+                match search.fault() {
+                    Some(fault) => Err(DriveError::Protocol { at, fault }),
+                    None => Err(DriveError::Timeout { at, deadline }),
+                }
+            }
         }
     }
 

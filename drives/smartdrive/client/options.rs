@@ -42,10 +42,13 @@ impl AxisOptions {
 pub struct SmartDriveOptions {
     /// Drives in use, one axis each, in the order of the arrays of [`twin_drives::Drive`]; at most five.
     pub axes: Vec<AxisOptions>,
-    /// Longest time an exchange may take: a drive confirms a command within 20 to 50 ms.
+    /// Added to the time that the bytes of an exchange and the turnaround of the drive take: the longest delay of computer and
+    /// adapter.
     pub deadline: Duration,
-    /// Time after which an answer that is late comes no more. After a missed deadline the driver waits so long before
-    /// it asks anything but a stop, lest the late answer be taken for the next.
+    /// Longest turnaround of drives and adapter until it is measured: a drive confirms a command within 20 to 50 ms.
+    pub turnaround: Duration,
+    /// Time after which a request or an answer that is late comes no more: a stop is sent again after it, and drives that are out
+    /// of step are asked again.
     pub worst_latency: Duration,
     /// Instant at which drives execute commands: samples are stamped with it.
     pub execution: Execution,
@@ -65,11 +68,12 @@ pub struct SmartDriveOptions {
 }
 
 impl SmartDriveOptions {
-    /// 100 ms an exchange, stops sent three times, one second for changes of mode, one minute for homing.
+    /// 20 ms added, 80 ms until the turnaround is measured, stops sent three times, one second for changes of mode, one minute for homing.
     pub fn new(axes: Vec<AxisOptions>) -> Self {
         Self {
             axes,
-            deadline: Duration::from_millis(100),
+            deadline: Duration::from_millis(20),
+            turnaround: Duration::from_millis(80),
             worst_latency: Duration::from_millis(100),
             execution: Execution::Between,
             silence: Duration::ZERO,

@@ -81,6 +81,13 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Whether as many bytes as an answer has have come that are none, of this drive or another.
+    pub(crate) fn is_spoilt(&self) -> bool {
+        // What begins as the command did may become its echo.
+        let echoes = self.bytes.first().is_some_and(|first| *first < FIRST_BITS);
+        !self.foreign && !echoes && self.skipped + self.bytes.len() >= self.length
+    }
+
     /// Whether bytes came that belong to nothing.
     pub(crate) fn is_noisy(&self) -> bool {
         self.garbled || self.foreign || !self.bytes.is_empty()

@@ -106,7 +106,7 @@ impl SmartDriveBus {
         };
         let slowest = options.axes.iter().map(braking).fold(0.0, f64::max);
         let count = u32::try_from(options.axes.len()).unwrap_or(1);
-        let exchange = 4 * (options.deadline + options.worst_latency);
+        let exchange = 4 * (options.deadline + options.turnaround + options.worst_latency);
         let patience = Duration::from_secs_f64(slowest) + exchange * count;
         let addresses: Vec<u8> = self.axes().collect();
         let mut failed = None;

@@ -2,7 +2,7 @@
 
 use super::{SmartDriveBus, positions::Shifted};
 use crate::{Command, DriveState, TrajectoryFlags};
-use twin_drives::{Commanded, DriveError, MAX_DRIVE_AXES, Sample, SetpointStream};
+use twin_drives::{Axes, Commanded, DriveError, MAX_DRIVE_AXES, Sample, SetpointStream};
 
 /// Time between two questions with known answers while following.
 const WITNESS_PERIOD_NS: u64 = 500_000_000;
@@ -43,6 +43,11 @@ impl SmartDriveBus {
                 if let Some(place) = self.commanded.get_mut(index) {
                     *place = Some(order.profile.target);
                 }
+            }
+            if self.follower.idle() == Some(index) {
+                self.restart();
+                let (at, found) = (self.bus.at(address, command.action()), state.position.into());
+                return Err(DriveError::NoEffect { at, axis: Axes::Only, found });
             }
             if let Some((_, expected)) = self.follower.astray().filter(|(axis, _)| *axis == index) {
                 let astray = self.elsewhere(index, address, expected, state.position);

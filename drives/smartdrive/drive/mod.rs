@@ -15,12 +15,12 @@ use std::time::Duration;
 use tokio::runtime::Runtime;
 
 use self::{homing::Homing, positions::Frozen};
-use super::{Command, DriveState, Init, Mode, SmartDrive, SmartDriveOptions};
+use super::{Command, DriveState, Init, Mode, SmartDrive, SmartDriveOptions, wire_time};
 use crate::drive::follow::{Follower, GoTo};
 use twin_drives::{
     Action, Axes, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays,
-    Identity, Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream,
-    Signals, Stamp, drive::is_zero, no_clock,
+    Identity, Increments, Losses, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample,
+    SetpointStream, Signals, Stamp, drive::is_zero, no_clock,
 };
 
 /// What a drive takes for its answer until it is known better.
@@ -328,6 +328,16 @@ impl Drive for SmartDriveBus {
 
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         self.follow_round(stream)
+    }
+
+    fn losses(&self) -> Losses {
+        self.bus.exchanges().losses()
+    }
+
+    fn round(&self) -> Option<Duration> {
+        // GOTO v,a and its answer for each axis, 11 + 9 bytes.
+        let exchange = wire_time(11 + 9) + self.bus.exchanges().usual_turnaround()?;
+        Some(exchange * u32::try_from(self.axis_count()).unwrap_or(1))
     }
 
     fn commanded(&self) -> Commanded {

@@ -1,5 +1,7 @@
 //! Soft and hard stop of all drives of a line, by broadcast.
 
+use tokio::time::sleep;
+
 use super::{SmartDriveBus, no_clock};
 use crate::{Command, Mode};
 use twin_drives::DriveError;
@@ -17,12 +19,12 @@ impl SmartDriveBus {
     pub(super) fn stop_softly(&mut self) -> Result<(), DriveError> {
         self.restart();
         let stop = Command::Stop { rate: 0 };
-        let late = if self.bus.is_late() { self.axes().next() } else { None };
+        let late = self.bus.is_late();
         self.broadcast_stop(&stop)?;
-        if let Some(address) = late {
-            // A move that was sent before the stop may arrive after it: the drive is asked only when none can any more.
-            // If it does not answer that shows below.
-            drop(self.state(address, &no_clock));
+        if late {
+            // A move that was sent before the stop may arrive after it.
+            let worst_latency = self.bus.options().worst_latency;
+            self.runtime.block_on(async { sleep(worst_latency).await });
             self.broadcast_stop(&stop)?;
         }
         self.wait_for_rest(stop.action())

@@ -43,6 +43,8 @@ pub enum Event {
     Condition(Condition, bool),
     /// Status, position and flags are shown as they are now for good (true), or as they are.
     StuckStatus(bool),
+    /// The next moves, of this number, are confirmed and not carried out.
+    IgnoreMoves(u32),
     /// One more switch that the mechanics operate.
     Cam {
         /// Input it is wired to.
@@ -106,6 +108,7 @@ impl Device {
             Event::Stall => self.stall(),
             Event::Condition(condition, on) => self.set_condition(condition, on),
             Event::StuckStatus(stuck) => self.set_stuck_status(stuck),
+            Event::IgnoreMoves(moves) => self.ignored_moves = moves,
             Event::Cam { input, from, to } => {
                 self.options.cams.push(Cam { input, from: from.into(), to: to.into() });
                 self.operate_cams();

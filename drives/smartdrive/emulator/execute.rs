@@ -141,6 +141,10 @@ impl Device {
         if !allowed && self.options.assumptions.refuses_beyond_ceilings {
             return Err(RejectCode::BadParams);
         }
+        if self.ignored_moves > 0 && !is_stop {
+            self.ignored_moves -= 1;
+            return Ok(());
+        }
         match *command {
             Command::TrajectoryInit(Init::All | Init::Position) => self.set_position(0),
             Command::TrajectoryInit(Init::Homing) => return self.begin_homing_if_possible(),

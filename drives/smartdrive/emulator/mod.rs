@@ -97,6 +97,8 @@ pub struct Device {
     conditions: u16,
     /// What is shown instead of what is.
     stuck: Option<Shown>,
+    /// Moves to come that are confirmed and not carried out.
+    ignored_moves: u32,
     frames_handled: u64,
 }
 
@@ -121,6 +123,7 @@ impl Device {
             seen: modes::Seen::default(),
             conditions: 0,
             stuck: None,
+            ignored_moves: 0,
             frames_handled: 0,
         };
         device.start_up();

@@ -42,6 +42,7 @@ fn axis(address: u8) -> AxisOptions {
 fn options(deadline_ms: u64, worst_latency_ms: u64) -> SmartDriveOptions {
     let mut options = SmartDriveOptions::new(vec![axis(1)]);
     options.deadline = Duration::from_millis(deadline_ms);
+    options.turnaround = Duration::ZERO;
     options.worst_latency = Duration::from_millis(worst_latency_ms);
     options
 }

@@ -23,7 +23,7 @@ use crate::{
         vectors::vector,
     },
 };
-use twin_drives::{Action, DriveError, ProtocolFault, no_clock};
+use twin_drives::{Action, DriveError, ProtocolFault, exchanges::ATTEMPTS, no_clock};
 
 /// The next command but GET of PID and CID, which every drive answers the same; the driver writes each in one piece. Empty
 /// if the driver is gone.
@@ -169,12 +169,13 @@ async fn a_garbled_or_cut_answer_is_told() {
 #[tokio::test(start_paused = true)]
 async fn only_what_may_be_repeated_is() {
     let commands = [
-        (Command::Ping, 2),
-        (Command::Read { variable: 75 }, 2),
-        (Command::Get { parameter: 30 }, 2),
-        (Command::GoTo { target: 5, profile: None }, 2),
-        (Command::GoTo { target: 5, profile: Some((1, 1)) }, 2),
-        (Command::Stop { rate: 0 }, 2),
+        (Command::Ping, ATTEMPTS),
+        (Command::Read { variable: 75 }, ATTEMPTS),
+        (Command::Get { parameter: 30 }, ATTEMPTS),
+        (Command::GoTo { target: 5, profile: None }, ATTEMPTS),
+        (Command::GoTo { target: 5, profile: Some((1, 1)) }, ATTEMPTS),
+        // Nobody has answered before a stop, which asks nothing else.
+        (Command::Stop { rate: 0 }, 3),
         (Command::Step { distance: 5, profile: None }, 1),
         (Command::Start { speed: 5, rate: 0 }, 1),
         (Command::TrajectoryInit(Init::Position), 1),
@@ -203,6 +204,7 @@ async fn only_what_may_be_repeated_is() {
             }
         };
         let (sent, ()) = tokio::join!(listening, driving);
+        let times = usize::try_from(times).unwrap();
         assert_eq!(sent, encode(1, &command).repeat(times), "{command:?}");
     }
 }

@@ -172,12 +172,14 @@ enum Word {
         #[arg(value_enum)]
         state: Switch,
     },
+    /// The next moves, so many, are confirmed and not carried out
+    IgnoreMoves { moves: u32 },
     /// The supply fails, for so many ms
     BrownOut {
         #[arg(default_value_t = 100)]
         ms: u32,
     },
-    /// The check sum of the EEPROM is wrong
+    /// The check sum of the EEPROM is wrong from the next RESET or start on
     SpoilEeprom,
     #[command(flatten)]
     Wire(WireWord),
@@ -301,6 +303,7 @@ impl Word {
             }
             Self::Motor { axis, what, state } => what(axis, state.is_on()),
             Self::Stall { axis, state } => Event::Stall(axis, state.is_on()),
+            Self::IgnoreMoves { moves } => Event::IgnoreMoves(moves),
             Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
             Self::BrownOut { ms } => Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 },
             Self::SpoilEeprom => Event::SpoilEeprom,

@@ -204,6 +204,8 @@ enum Word {
         #[arg(value_enum)]
         state: Switch,
     },
+    /// The next moves, so many, are confirmed and not carried out
+    IgnoreMoves { moves: u32 },
     /// Writes to the EEPROM fail
     BreakEeprom {
         #[arg(value_enum)]
@@ -261,6 +263,7 @@ impl Word {
             Self::Release { number } => Event::ReleaseInput(number),
             Self::Analog { number, value } => Event::AnalogInput { number, value },
             Self::Stall { axis, state } => Event::Stall(axis, state.is_on()),
+            Self::IgnoreMoves { moves } => Event::IgnoreMoves(moves),
             Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
             Self::BreakEeprom { state } => Event::BreakEeprom(state.is_on()),
             Self::BrownOut { ms } => Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 },

@@ -221,6 +221,8 @@ enum Word {
         #[arg(value_enum)]
         state: Switch,
     },
+    /// The next moves, so many, are confirmed and not carried out
+    IgnoreMoves { address: u8, moves: u32 },
     /// The supply fails, for so many ms
     BrownOut {
         address: u8,
@@ -278,6 +280,7 @@ impl Word {
             Self::Condition { address, condition, state } => {
                 (address, Event::Condition(condition, state.is_on()))
             }
+            Self::IgnoreMoves { address, moves } => (address, Event::IgnoreMoves(moves)),
             Self::StuckStatus { address, state } => (address, Event::StuckStatus(state.is_on())),
             Self::BrownOut { address, ms } => {
                 (address, Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 })

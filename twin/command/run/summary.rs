@@ -25,6 +25,7 @@ fn samples_report(all: Heard, devices: &[(String, Heard)]) -> DriveSamplesReport
         count: heard.count,
         per_s: heard.per_s(),
         longest_gap_ms: heard.longest_gap_ms(),
+        lost_answers: heard.lost_answers,
     };
     let longest = devices.iter().map(|(_, heard)| heard.longest_gap_ms());
     DriveSamplesReport {
@@ -106,10 +107,15 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
         for (device, heard) in &ending.heard {
             writeln!(
                 out,
-                "device `{device}`: {} samples, {:.0} per second, longest gap {:.0} ms",
+                "device `{device}`: {} samples, {:.0} per second, longest gap {:.0} ms{}",
                 heard.count,
                 heard.per_s(),
-                heard.longest_gap_ms()
+                heard.longest_gap_ms(),
+                match heard.lost_answers {
+                    0 => String::new(),
+                    1 => ", 1 lost answer asked for again".to_owned(),
+                    lost => format!(", {lost} lost answers asked for again"),
+                }
             )?;
             if heard.longest_gap_ns > LONGEST_USUAL_GAP_NS {
                 writeln!(

@@ -24,7 +24,7 @@ pub struct DeviceEntry {
     pub port: Option<String>,
     /// Version of the firmware that the real device must report.
     pub firmware: Option<String>,
-    /// Response timeout of the real device, ms, if it differs from the family's.
+    /// What the deadline of an answer of the real device has to spare, ms, if it differs from the family's.
     pub answer_ms: Option<u32>,
     /// Longest silence while its axes are to move, ms, before the run is stopped; if given.
     pub silence_ms: Option<u32>,
@@ -118,7 +118,7 @@ impl DeviceEntry {
         self.device.response_us()
     }
 
-    /// Response timeout of the client of the real device, and the pause before it asks again.
+    /// What the client of the real device adds to the time that an exchange takes, and when nothing late arrives any more.
     pub fn waits(&self) -> [Duration; 2] {
         self.device.waits(self.answer_ms.map(|time_ms| Duration::from_millis(time_ms.into())))
     }

@@ -92,6 +92,8 @@ pub(crate) struct Axis {
     corrected: bool,
     ack_uc: u16,
     ack_bloc: u32,
+    /// Programmed moves to come that are acknowledged and not carried out.
+    ignored_moves: u32,
     /// "Dernière cote mémorisée": the counter at the end of the last move.
     stored: i32,
     /// Ends of moves so far.
@@ -126,6 +128,7 @@ impl Axis {
             corrected: false,
             ack_uc: 0,
             ack_bloc: 0,
+            ignored_moves: 0,
             stored,
             ends: 0,
             assumptions: Assumptions::default(),

@@ -174,7 +174,16 @@ impl Axis {
         }
         self.accepted(uc::PROGRAMMED);
         self.corrected = false;
-        self.go(programmed);
+        if self.ignored_moves > 0 {
+            self.ignored_moves -= 1;
+        } else {
+            self.go(programmed);
+        }
+    }
+
+    /// The next programmed moves, of this number, are acknowledged and not carried out.
+    pub(crate) fn ignore_moves(&mut self, moves: u32) {
+        self.ignored_moves = moves;
     }
 
     /// True if nothing forbids to move in the sense of `sense`: power, phases, end switch.

@@ -57,7 +57,7 @@ pub(super) struct LineOptions {
     #[arg(long)]
     echo: bool,
 
-    /// Longest time an answer may take, ms
+    /// Longest time an answer may take beyond its bytes, ms
     #[arg(long, value_name = "MS", default_value = "250", value_parser = words::milliseconds)]
     deadline: Duration,
 }
@@ -146,6 +146,7 @@ fn options(
         address,
         line: Line { baud: line.baud, parity: line.parity },
         deadline: line.deadline,
+        turnaround: Duration::ZERO,
         worst_latency: 2 * line.deadline,
         echo: line.echo,
         ..InterpCncOptions::new(axes.iter().copied().map(AxisOptions::new).collect())

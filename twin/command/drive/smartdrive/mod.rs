@@ -35,7 +35,7 @@ pub(super) struct LineOptions {
     #[arg(long, visible_alias = "station", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=31))]
     address: u8,
 
-    /// Longest time an answer may take, ms
+    /// Longest time an answer may take beyond its bytes, ms
     #[arg(long, value_name = "MS", default_value = "100", value_parser = words::milliseconds)]
     deadline: Duration,
 }
@@ -99,6 +99,7 @@ fn options(
     Ok(SmartDriveOptions {
         assumptions: command.assume.take()?,
         deadline: line.deadline,
+        turnaround: Duration::ZERO,
         worst_latency: line.deadline,
         mode_change: Duration::from_secs(2).max(10 * line.deadline),
         homing,
