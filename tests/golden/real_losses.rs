@@ -1,6 +1,6 @@
-//! Runs on real drives whose wires lose answers, or whose devices do not do what they confirm.
+//! Runs on real drives whose wires lose answers, carry too little, or whose devices do not do what they confirm.
 
-use crate::process::number;
+use crate::process::{Desk, number};
 use crate::shop::Shop;
 use twin_bim2ax::emulator as module;
 use twin_drives::{Control, Direction, FaultRule, When, WireFault};
@@ -75,4 +75,20 @@ fn a_move_without_effect_is_repeated_and_then_stops_the_run() {
         done.ended(2, &format!("device `{device}`, ax"));
         shop.at_rest();
     }
+}
+
+/// 3 · (35 bytes of 10 bits at 4800 baud, two silences of 3.5 characters of 11 bits) and 37 bytes for the sample: 0.36 s.
+#[test]
+fn a_wire_that_is_too_slow_is_refused_before_anything_moves() {
+    let desk = Desk::new();
+    let text = desk.text("machine.toml");
+    let slow = text.replace("kind = \"interpcnc\"", "kind = \"interpcnc\"\nbaud = 4800");
+    assert_ne!(slow, text);
+    desk.write("slow.toml", &slow);
+    desk.write("way.cnc", "% way\nN10 G1 X10 Y5 F5 E50 E-50\n");
+    let done = desk.twin("run way.cnc -m slow.toml");
+    done.ended(2, "✗ device `board`: a round of its 3 axes takes");
+    done.ended(2, "it carries 2.");
+    done.ended(2, "commands per second for each axis; at least 4.0 are necessary");
+    done.ended(2, "nothing has moved");
 }

@@ -87,6 +87,7 @@ impl<'a> DeviceCheck<'a> {
         if let Some(position) = self.looked.position {
             self.positions(&position);
         }
+        self.round(drive);
         Ok(())
     }
 

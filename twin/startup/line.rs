@@ -4,11 +4,33 @@
 
 use super::device_check::DeviceCheck;
 use crate::repair_commands;
+use crate::setpoint::HORIZON_NS;
 use twin_drives::{Drive, DriveError, ParameterId};
 use twin_interpcnc::{Parity, protocol::parameters};
 use twin_machine::{DeviceEntry, DriveFamily, Machine};
+use twin_number::seconds;
 
 impl DeviceCheck<'_> {
+    /// Checks that the wire carries the cycle, by the turnaround measured in the checks before: every axis must get its next
+    /// command before the plan that it knows has ended.
+    pub(super) fn round(&mut self, drive: &dyn Drive) {
+        let Some(round) = drive.round() else { return };
+        let (round_s, longest_s) = (round.as_secs_f64(), seconds(HORIZON_NS));
+        if round_s <= longest_s {
+            return;
+        }
+        let message = format!(
+            "a round of its {} axes takes {:.0} ms on its wire: it carries {:.1} commands per second for each axis; \
+             at least {:.1} are necessary",
+            drive.axis_count(),
+            1e3 * round_s,
+            1.0 / round_s,
+            1.0 / longest_s
+        );
+        let help = "help: a higher baud rate, a faster adapter, or fewer axes on this device";
+        self.add_with(false, message, vec![help.to_owned()]);
+    }
+
     /// Checks the stored line settings of a board against the machine file.
     pub(super) fn stored_line(
         &mut self,
