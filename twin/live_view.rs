@@ -44,7 +44,6 @@ pub struct Picture<'m> {
     scene: Option<Scene>,
     /// Measures how near the twin is to what it must not touch.
     scan: Option<ClearanceScan>,
-    viewer: Option<Viewer>,
     /// Cycles that wait for a sample of the drives.
     waiting: VecDeque<Instant>,
     has_drives: bool,
@@ -94,7 +93,6 @@ impl<'m> Picture<'m> {
             machine,
             scene: None,
             scan: None,
-            viewer: None,
             waiting: VecDeque::new(),
             has_drives: drives.is_some(),
             next_ns: 0,
@@ -158,7 +156,7 @@ impl<'m> Picture<'m> {
 
     /// Address of the live page.
     pub fn url(&self) -> Option<String> {
-        self.viewer.as_ref().or_else(|| self.scene.as_ref()?.viewer()).map(Viewer::url)
+        self.scene.as_ref()?.viewer().map(Viewer::url)
     }
 
     /// One cycle of the twin.
@@ -221,17 +219,14 @@ impl<'m> Picture<'m> {
         self.show(&instant, Some(sample.drives));
     }
 
-    /// Writes everything; the page stays until the picture is dropped.
+    /// Writes everything, within a second; the page stays until the picture is dropped.
     ///
     /// # Errors
     /// The first thing that could not be shown or written, since the beginning.
     pub fn finish(&mut self) -> Result<(), VizError> {
         self.show_before(i64::MAX);
-        let failure = self.failure.take();
-        if let Some(scene) = self.scene.take() {
-            self.viewer = scene.finish()?;
-        }
-        failure.map_or(Ok(()), Err)
+        let closed = self.scene.as_mut().map_or(Ok(()), Scene::close);
+        self.failure.take().map_or(closed, Err)
     }
 
     /// Shows the waiting cycles before `time_ns`.

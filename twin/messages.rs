@@ -5,12 +5,15 @@ use crate::finding::{Finding, Rule, Severity};
 use crate::tolerance::ROUNDING;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
+use std::path::Path;
 use twin_kinematics::{Kinematics, KinematicsError, ReachOf};
 use twin_machine::axis_couplings::AxesError;
 use twin_machine::axis_kind::AxisKind;
 use twin_machine::cam_file::CamRemark;
 use twin_machine::{Axis, Machine};
+use twin_number::{counted, seconds};
 use twin_path::Place;
+use twin_viz::Ended;
 
 /// An axis that goes less than this across a gap is not named, m or rad.
 const STAYS: f64 = 5e-7;
@@ -33,6 +36,19 @@ pub(crate) fn bridged(machine: &Machine, bridge: &Bridge, is_first: bool) -> Fin
     );
     let finding = Finding::error(Rule::Gap, bridge.place, message);
     Finding { severity: Severity::Note, ..finding }
+}
+
+/// A recording, log or report, by its kind and file, that ended before the run.
+pub(crate) fn recording_ended(kind: &str, file: &Path, ended: &Ended) -> Finding {
+    let Ended { time_ns, line, cause, lost } = ended;
+    let records = counted(usize::try_from(*lost).unwrap_or(usize::MAX), "record");
+    let lost = if *lost > 0 { format!("; {records} lost") } else { String::new() };
+    let (time, file) = (seconds(*time_ns), file.display());
+    let message = format!("the {kind} {file} ended at {time:.3} s: {cause}{lost}");
+    let place = Place { line: *line, block: None };
+    let hint = "make room, or name a file on another disk; the run went on without it".to_owned();
+    let finding = Finding::error(Rule::RecordingEnded, place, message);
+    Finding { severity: Severity::Warning, hint: Some(hint), ..finding }
 }
 
 /// A set-point without axis positions.

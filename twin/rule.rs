@@ -247,6 +247,12 @@ rules! {
         meaning: "a fault of the simulated machine, from --faults",
         remedy: "nothing, if the scenario is meant so",
     }
+    RecordingEnded {
+        name: "recording-ended",
+        severities: [Warning],
+        meaning: "a recording, log or report of a run that ended before the run: its file is full, too slow or gone. The run went on, and the exit status is 2",
+        remedy: "make room, or name a file on another disk; what was written before is in the file, and the report is on standard output",
+    }
     CamContinuity {
         name: "cam-continuity",
         severities: [Error, Warning, Note],

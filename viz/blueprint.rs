@@ -6,14 +6,14 @@
 
 use nalgebra::Vector3;
 use rerun::blueprint::components as parts;
-use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
 use rerun::external::re_sdk_types::blueprint::archetypes as layout;
-use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, components, datatypes};
+use rerun::{AsComponents, components, datatypes};
 
 use crate::bounds::Bounds;
 use crate::error::{Result, VizError};
 use crate::frame::{Axis, AxisUnit};
 use crate::motor_plot::MotorPlot;
+use crate::recorder::Recorder;
 use crate::timeline::{Playback, TIME};
 use crate::units::{f32_of, mm, mm_f32, point_mm, vector_mm};
 
@@ -44,22 +44,17 @@ pub(crate) struct Layout {
 
 /// Sends the layout with the recording.
 pub(crate) fn send(
-    recording: &RecordingStream,
-    application: &'static str,
+    recording: &mut Recorder,
     layout: &Layout,
     bounds: &Bounds,
     playback: Playback,
 ) -> Result<()> {
-    send_page(recording, application, playback, |page| page.everything(layout, bounds))
+    send_page(recording, playback, |page| page.everything(layout, bounds))
 }
 
 /// Sends the layout of a workspace: machine and section, with their description.
-pub(crate) fn send_workspace(
-    recording: &RecordingStream,
-    application: &'static str,
-    bounds: &Bounds,
-) -> Result<()> {
-    send_page(recording, application, Playback::FromStart, |page| {
+pub(crate) fn send_workspace(recording: &mut Recorder, bounds: &Bounds) -> Result<()> {
+    send_page(recording, Playback::FromStart, |page| {
         let contents = ["+ /machine/**", "+ /surroundings/**", "+ /workspace/**"];
         let scene = page.scene("Machine and workspace", &contents, bounds)?;
         let about = page.text("What is shown", "about")?;
@@ -69,15 +64,11 @@ pub(crate) fn send_workspace(
 
 /// Sends the layout that `arrange` makes.
 fn send_page(
-    recording: &RecordingStream,
-    application: &'static str,
+    recording: &mut Recorder,
     playback: Playback,
     arrange: impl FnOnce(&mut Page) -> Result<Part, VizError>,
 ) -> Result<()> {
-    let (stream, storage) =
-        RecordingStreamBuilder::new(application).enabled(true).blueprint().memory()?;
-    stream.set_time_sequence("blueprint", 0);
-    let mut page = Page { stream, last_id: 0 };
+    let mut page = Page { stream: recording.layout(), last_id: 0 };
     let root = arrange(&mut page)?;
     page.panels(playback)?;
     let viewport = layout::ViewportBlueprint::new()
@@ -85,18 +76,7 @@ fn send_page(
         .with_auto_layout(false)
         .with_auto_views(false);
     page.stream.log("viewport", &viewport)?;
-
-    let messages = storage.take();
-    let blueprint_id = messages.iter().find_map(|message| match message {
-        LogMsg::SetStoreInfo(info) => Some(info.info.store_id.clone()),
-        _ => None,
-    });
-    if let Some(blueprint_id) = blueprint_id {
-        let activation =
-            BlueprintActivationCommand { blueprint_id, make_active: true, make_default: true };
-        recording.send_blueprint(messages, activation);
-    }
-    Ok(())
+    recording.send_layout(page.stream)
 }
 
 /// A container or a view of the page.
@@ -130,7 +110,7 @@ impl Part {
 }
 
 struct Page {
-    stream: RecordingStream,
+    stream: Recorder,
     last_id: u8,
 }
 
@@ -193,7 +173,7 @@ impl Page {
         self.tabs(&[(errors, "Errors and speed"), (motors, "Motors")])
     }
 
-    fn panels(&self, playback: Playback) -> Result<()> {
+    fn panels(&mut self, playback: Playback) -> Result<()> {
         let collapsed = layout::PanelBlueprint::new().with_state(parts::PanelState::Collapsed);
         self.stream.log("blueprint_panel", &collapsed)?;
         self.stream.log("selection_panel", &collapsed)?;
@@ -265,7 +245,7 @@ impl Page {
     }
 
     /// Trails come in pieces; all up to the cursor are shown, not only the newest.
-    fn keep_trails(&self, view: Part) -> Result<()> {
+    fn keep_trails(&mut self, view: Part) -> Result<()> {
         let range = datatypes::VisibleTimeRange {
             timeline: TIME.into(),
             range: datatypes::TimeRange {
@@ -303,7 +283,7 @@ impl Page {
         Ok(view)
     }
 
-    fn property(&self, view: Part, name: &str, value: &impl AsComponents) -> Result<()> {
+    fn property(&mut self, view: Part, name: &str, value: &impl AsComponents) -> Result<()> {
         self.stream.log(format!("{}/{name}", view.path()), value)?;
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Errors of writing and showing a recording.
 
 use std::net::SocketAddr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What writing or showing a recording gives.
 pub type Result<T, E = VizError> = std::result::Result<T, E>;
@@ -22,15 +22,6 @@ pub enum VizError {
         source: std::io::Error,
     },
 
-    /// The recording was created, but its beginning cannot be written; the disk may be full.
-    #[error("cannot begin the recording {}: {source}", .path.display())]
-    Begin {
-        /// The file asked for.
-        path: PathBuf,
-        /// The cause.
-        source: rerun::sink::FileSinkError,
-    },
-
     /// A page without a recording of its own needs a temporary file, which cannot be created.
     #[error("cannot create a temporary recording in {}: {source}", .folder.display())]
     Temporary {
@@ -40,18 +31,18 @@ pub enum VizError {
         source: std::io::Error,
     },
 
-    /// The recording cannot be written any more; the disk may be full.
-    #[error("cannot write the recording {}: {source}", .path.display())]
+    /// The recording has ended before its time; the disk may be full.
+    #[error("cannot write the recording {}: {}", .path.display(), .ended.cause)]
     Write {
         /// The recording.
         path: PathBuf,
-        /// The cause.
-        source: rerun::sink::SinkFlushError,
+        /// Time and cause.
+        ended: crate::Ended,
     },
 
     /// A frame was refused by rerun.
     #[error("cannot log to the recording: {0}")]
-    Log(#[from] rerun::RecordingStreamError),
+    Log(#[from] rerun::log::ChunkError),
 
     /// A value cannot be expressed in rerun's format.
     #[error("cannot encode a value for the recording: {0}")]
@@ -117,10 +108,5 @@ impl VizError {
     pub(crate) fn check_links(expected: usize, found: usize) -> Result<(), Self> {
         let error = Self::Count { of: "links", what: "link poses", expected, found };
         if expected == found { Ok(()) } else { Err(error) }
-    }
-
-    /// A recording at `path` that cannot be written.
-    pub(crate) fn write(path: &Path) -> impl FnOnce(rerun::sink::SinkFlushError) -> Self {
-        move |source| Self::Write { path: path.to_owned(), source }
     }
 }

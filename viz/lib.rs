@@ -79,18 +79,21 @@
 //! # }
 //! ```
 
+mod background;
 mod blueprint;
 mod bounds;
 mod error;
 mod frame;
 mod motor_plot;
 mod palette;
+mod recorder;
 mod scene;
 mod server;
 mod timeline;
 mod units;
 mod workspace;
 
+pub use background::{Background, Ended, Item, Sink};
 pub use error::{Result, VizError};
 pub use frame::{
     Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle,

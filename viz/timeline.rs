@@ -1,9 +1,5 @@
 //! Timelines of a recording and their playback in the viewer.
 
-use std::time::Duration;
-
-use rerun::log::ChunkBatcherConfig;
-
 /// Timeline: since the start of the program.
 pub(crate) const TIME: &str = "time";
 /// Timeline: line of the program file.
@@ -34,11 +30,5 @@ impl Playback {
             Self::FromStart => 2_000_000_000,
             Self::Follow => 1_000_000_000,
         }
-    }
-
-    /// Without this, rerun sends only what has waited for long, as when the program holds.
-    pub(crate) fn batcher(self) -> ChunkBatcherConfig {
-        let flush_tick = Duration::from_nanos(self.rows_ns().unsigned_abs());
-        ChunkBatcherConfig { flush_tick, ..ChunkBatcherConfig::DEFAULT }
     }
 }

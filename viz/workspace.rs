@@ -1,17 +1,17 @@
 //! Recording of a section through the workspace of a machine, together with the machine.
 
 use nalgebra::{Isometry3, Point3};
-use rerun::sink::LogSink;
-use rerun::{Color, RecordingStream, RecordingStreamBuilder, TextDocument};
+use rerun::{Color, TextDocument};
 use twin_urdf::Model;
 
 use crate::blueprint;
 use crate::bounds::Bounds;
 use crate::error::{Result, VizError};
 use crate::frame::Obstacle;
+use crate::recorder::Recorder;
+use crate::scene::SceneOptions;
 use crate::scene::destination::{self, Destination};
 use crate::scene::machine::{self, Machine};
-use crate::scene::{APPLICATION, At, SceneOptions};
 use crate::server::Viewer;
 use crate::units::point_mm;
 use std::sync::atomic::Ordering;
@@ -72,32 +72,24 @@ pub struct WorkspaceView<'a> {
 pub fn show_workspace(options: &SceneOptions, view: &WorkspaceView<'_>) -> Result<Option<Viewer>> {
     VizError::check_links(view.machine.links.len(), view.poses.len())?;
     let title = format!("workspace of {}", view.machine.name);
-    let Destination { path, sink, viewer, complete } = destination::open(options, &title)?;
-    let stream = RecordingStreamBuilder::new(APPLICATION)
-        .recording_name(title)
-        .enabled(true)
-        .set_sinks(vec![Box::new(sink) as Box<dyn LogSink>])?;
-    stream.set_log_time_enabled(false);
-    stream.set_log_tick_enabled(false);
+    let Destination { mut stream, viewer, complete } = destination::open(options, &title)?;
     stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
 
     let mut bounds = Bounds::default();
-    let mut machine = Machine::log_solids(&stream, view.machine, view.poses, &mut bounds)?;
-    machine::log_obstacles(&stream, view.surroundings, &mut bounds)?;
-    At { time_ns: 0, line: 0 }.set(&stream);
-    machine.log_poses(&stream, view.poses)?;
-    log_section(&stream, view)?;
+    let mut machine = Machine::log_solids(&mut stream, view.machine, view.poses, &mut bounds)?;
+    machine::log_obstacles(&mut stream, view.surroundings, &mut bounds)?;
+    stream.set_time(0, 0);
+    machine.log_poses(&mut stream, view.poses)?;
+    log_section(&mut stream, view)?;
     view.corners.iter().for_each(|corner| bounds.add(corner));
     stream.log_static("about", &TextDocument::from_markdown(view.about))?;
-    blueprint::send_workspace(&stream, APPLICATION, &bounds)?;
-
-    stream.flush_blocking().map_err(VizError::write(&path))?;
-    stream.finalize_deferred_sinks();
+    blueprint::send_workspace(&mut stream, &bounds)?;
+    stream.finish()?;
     complete.store(true, Ordering::Release);
     Ok(viewer)
 }
 
-fn log_section(stream: &RecordingStream, view: &WorkspaceView<'_>) -> Result<()> {
+fn log_section(stream: &mut Recorder, view: &WorkspaceView<'_>) -> Result<()> {
     let color = |[red, green, blue]: [u8; 3]| Color::from_rgb(red, green, blue);
     if !view.triangles.is_empty() {
         let mesh = rerun::Mesh3D::new(view.corners.iter().map(point_mm))

@@ -41,6 +41,7 @@ mod machine;
 mod modbus;
 mod motors;
 mod net;
+mod outputs;
 mod path;
 mod process;
 mod program_text;

@@ -1,26 +1,33 @@
-//! Atomic file writes: data goes to a temporary `.NAME.….part`, which is renamed on success.
+//! Atomic file writes: data goes to a file without a name, which gets its name on success. Where a file system knows no such
+//! files, the name is a temporary `.NAME.….part`.
 
 use super::Failure;
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use tempfile::TempPath;
+use twin_viz::Sink;
 
-/// A file under a temporary name that is renamed on success: an existing file of its name stays until then. Devices and
-/// pipes are written to directly.
+/// A file that gets its name on success: an existing file of its name stays until then. Devices and pipes are written to
+/// directly.
 #[derive(Debug)]
 pub(super) struct AtomicFile {
-    out: BufWriter<Out>,
+    out: BufWriter<File>,
+    target: Target,
     /// As it was given.
     name: PathBuf,
     path: PathBuf,
+    /// Size of the items of a log that are written as a whole.
+    whole: u64,
 }
 
 #[derive(Debug)]
-enum Out {
-    Temporary(NamedTempFile),
-    Device(File),
+enum Target {
+    /// Goes on every way out, also when the process is killed.
+    Unnamed,
+    Temporary(TempPath),
+    Device,
 }
 
 impl AtomicFile {
@@ -32,22 +39,27 @@ impl AtomicFile {
         Self::begin(path).map_err(|source| unwritable(path, source))
     }
 
-    fn begin(name: &Path) -> io::Result<Self> {
+    /// The same with the error of the system.
+    pub(super) fn begin(name: &Path) -> io::Result<Self> {
         check(name)?;
         // What a link leads to is replaced, not the link.
         let path = fs::canonicalize(name).unwrap_or_else(|_| name.to_owned());
-        let device = fs::metadata(&path).is_ok_and(|known| !known.is_file());
-        let out = if device {
-            Out::Device(File::options().write(true).open(&path)?)
+        let folder = folder_of(&path).unwrap_or(Path::new("."));
+        let (file, target) = if fs::metadata(&path).is_ok_and(|known| !known.is_file()) {
+            (File::options().write(true).open(&path)?, Target::Device)
+        } else if let Ok(file) = unnamed(folder) {
+            (file, Target::Unnamed)
         } else {
             let mut prefix = OsString::from(".");
             prefix.push(path.file_name().unwrap_or_default());
             prefix.push(".");
             let mut builder = tempfile::Builder::new();
-            let builder = builder.prefix(&prefix).suffix(".part");
-            Out::Temporary(builder.tempfile_in(folder_of(&path).unwrap_or(Path::new(".")))?)
+            let named = builder.prefix(&prefix).suffix(".part").tempfile_in(folder)?;
+            let (file, part) = named.into_parts();
+            (file, Target::Temporary(part))
         };
-        Ok(Self { out: BufWriter::with_capacity(1 << 16, out), name: name.to_owned(), path })
+        let out = BufWriter::with_capacity(1 << 16, file);
+        Ok(Self { out, target, name: name.to_owned(), path, whole: 0 })
     }
 
     /// Its name, as it was given.
@@ -60,16 +72,8 @@ impl AtomicFile {
     /// # Errors
     /// [`Failure::Write`] with its name.
     pub(super) fn finish(self) -> Result<(), Failure> {
-        let Self { out, name, path } = self;
-        let named = out.into_inner().map_err(io::IntoInnerError::into_error);
-        let named = named.and_then(|out| match out {
-            Out::Temporary(file) => {
-                permit(&file, &path)?;
-                file.persist(&path).map(|_| ()).map_err(|error| error.error)
-            }
-            Out::Device(_) => Ok(()),
-        });
-        named.map_err(|source| unwritable(&name, source))
+        let name = self.name.clone();
+        Sink::finish(self).map_err(|source| unwritable(&name, source))
     }
 }
 
@@ -83,20 +87,81 @@ impl Write for AtomicFile {
     }
 }
 
-impl Write for Out {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match self {
-            Self::Temporary(file) => file.write(bytes),
-            Self::Device(file) => file.write(bytes),
-        }
+impl Sink<Vec<u8>> for AtomicFile {
+    fn write(&mut self, item: Vec<u8>) -> io::Result<()> {
+        self.out.write_all(&item)?;
+        self.out.flush()?;
+        self.whole += item.len() as u64;
+        Ok(())
     }
 
-    fn flush(&mut self) -> io::Result<()> {
-        match self {
-            Self::Temporary(file) => file.flush(),
-            Self::Device(file) => file.flush(),
+    fn finish(self) -> io::Result<()> {
+        let file = self.out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        self.target.name(&file, &self.path)
+    }
+
+    /// Keeps the whole items, if there are any.
+    fn cut(self) {
+        let (file, _) = self.out.into_parts();
+        if self.whole > 0 && file.set_len(self.whole).is_ok() {
+            // Why the file has ended is what counts.
+            self.target.name(&file, &self.path).ok();
         }
     }
+}
+
+impl Target {
+    /// Gives a file its name, and the permissions of the file that it takes the place of.
+    fn name(self, file: &File, path: &Path) -> io::Result<()> {
+        match self {
+            Self::Unnamed => permit(file, path).and_then(|()| link(file, path)),
+            Self::Temporary(part) => {
+                permit(file, path)?;
+                part.persist(path).map_err(|error| error.error)
+            }
+            Self::Device => Ok(()),
+        }
+    }
+}
+
+/// A new file without a name.
+#[cfg(target_os = "linux")]
+fn unnamed(folder: &Path) -> io::Result<File> {
+    use rustix::fs::{Mode, OFlags};
+    // Without it such a file cannot get a name.
+    fs::metadata(OWN_FILES)?;
+    let flags = OFlags::TMPFILE | OFlags::WRONLY | OFlags::CLOEXEC;
+    Ok(rustix::fs::open(folder, flags, Mode::RUSR | Mode::WUSR)?.into())
+}
+
+/// The open files of this process, by number.
+#[cfg(target_os = "linux")]
+const OWN_FILES: &str = "/proc/self/fd";
+
+/// Gives a file without a name one, by way of a temporary one: a link does not replace what is there.
+#[cfg(target_os = "linux")]
+fn link(file: &File, path: &Path) -> io::Result<()> {
+    use rustix::fs::{AtFlags, CWD, linkat};
+    use std::os::fd::AsRawFd;
+    let own = format!("{OWN_FILES}/{}", file.as_raw_fd());
+    let mut name = OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    linkat(CWD, own, CWD, &part, AtFlags::SYMLINK_FOLLOW)?;
+    fs::rename(&part, path).inspect_err(|_| {
+        fs::remove_file(&part).ok();
+    })
+}
+
+#[cfg(not(target_os = "linux"))]
+fn unnamed(_folder: &Path) -> io::Result<File> {
+    Err(io::Error::from(io::ErrorKind::Unsupported))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn link(_file: &File, _path: &Path) -> io::Result<()> {
+    Err(io::Error::from(io::ErrorKind::Unsupported))
 }
 
 fn folder_of(path: &Path) -> Option<&Path> {
@@ -203,20 +268,20 @@ pub(super) fn unwritable(path: &Path, source: io::Error) -> Failure {
 
 /// Temporary files are their owner's alone; this one is an ordinary file now, or may be read by whom the one it takes the place of
 /// could be.
-fn permit(file: &NamedTempFile, path: &Path) -> io::Result<()> {
+fn permit(file: &File, path: &Path) -> io::Result<()> {
     match fs::metadata(path) {
-        Ok(known) => file.as_file().set_permissions(known.permissions()),
+        Ok(known) => file.set_permissions(known.permissions()),
         Err(_new) => readable(file),
     }
 }
 
 #[cfg(unix)]
-fn readable(file: &NamedTempFile) -> io::Result<()> {
+fn readable(file: &File) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
-    file.as_file().set_permissions(fs::Permissions::from_mode(0o644))
+    file.set_permissions(fs::Permissions::from_mode(0o644))
 }
 
 #[cfg(not(unix))]
-fn readable(_file: &NamedTempFile) -> io::Result<()> {
+fn readable(_file: &File) -> io::Result<()> {
     Ok(())
 }

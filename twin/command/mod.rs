@@ -48,8 +48,9 @@ use crate::troubleshooting::{advice, advice_in_run};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser};
 use miette::MietteDiagnostic;
-use std::io::Write;
+use std::io::{self, Write};
 use std::process::ExitCode;
+use tokio::signal::unix::{SignalKind, signal};
 use twin_machine::cam_file::CamFileError;
 use twin_machine::section::MachineFileError;
 
@@ -149,8 +150,23 @@ fn parse() -> Result<Arguments, ExitCode> {
     }
 }
 
+/// The signal of a write beyond the file-size limit (`ulimit -f`), by its number on Linux and macOS.
+const SIGXFSZ: i32 = 25;
+
+/// Lets a write beyond the file-size limit fail (`EFBIG`) instead of ending the program.
+fn catch_file_size_limit() -> io::Result<()> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build()?;
+    let _inside = runtime.enter();
+    // The handler stays when nobody waits for the signal.
+    signal(SignalKind::from_raw(SIGXFSZ)).map(drop)
+}
+
 /// Carries out the command line.
 pub fn main() -> ExitCode {
+    if let Err(source) = catch_file_size_limit() {
+        Failure::Interrupt(source).show();
+        return Status::Failed.into();
+    }
     let arguments = match parse() {
         Ok(arguments) => arguments,
         Err(status) => return status,

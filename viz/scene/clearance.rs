@@ -1,12 +1,13 @@
 //! Clearance between machine and surroundings: a plot over time, and a line in 3D where it is small.
 
-use rerun::{LineStrips3D, Points3D, Radius, RecordingStream};
+use rerun::{LineStrips3D, Points3D, Radius};
 
 use super::At;
 use super::series::Series;
 use crate::error::Result;
 use crate::frame::ClearanceFrame;
 use crate::palette;
+use crate::recorder::Recorder;
 use crate::units::{mm, point_mm};
 
 /// Nearer than this the nearest points are joined, m.
@@ -53,7 +54,7 @@ impl ClearanceTrack {
     /// Joins the nearest points, or no longer, at the stream's time.
     pub(super) fn join(
         &mut self,
-        stream: &RecordingStream,
+        stream: &mut Recorder,
         clearance: Option<&ClearanceFrame<'_>>,
     ) -> Result<()> {
         let Some(clearance) = clearance.filter(|clearance| clearance.distance < NEAR) else {
@@ -82,7 +83,7 @@ impl ClearanceTrack {
     }
 
     /// Sends what the plot holds back.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
+    pub(super) fn flush(&mut self, stream: &mut Recorder) -> Result<()> {
         self.distance.flush(stream)?;
         self.wanted.flush(stream)
     }

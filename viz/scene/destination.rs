@@ -1,19 +1,16 @@
 //! Destination of a recording: a file, and the page that reads it.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use rerun::sink::{FileSink, FileSinkError};
-
 use super::SceneOptions;
 use crate::error::{Result, VizError};
+use crate::recorder::Recorder;
 use crate::server::{Source, Viewer};
 
 /// An open recording.
 pub(crate) struct Destination {
-    pub(crate) path: PathBuf,
-    pub(crate) sink: FileSink,
+    pub(crate) stream: Recorder,
     pub(crate) viewer: Option<Viewer>,
     /// To be set when nothing more comes.
     pub(crate) complete: Arc<AtomicBool>,
@@ -38,10 +35,7 @@ pub(crate) fn open(options: &SceneOptions, title: &str) -> Result<Destination> {
             (Source::temporary(temporary, complete.clone()), path)
         }
     };
-    let sink = FileSink::new(&path).map_err(|error| match error {
-        FileSinkError::CreateFile { source, .. } => VizError::Create { path: path.clone(), source },
-        source => VizError::Begin { path: path.clone(), source },
-    })?;
+    let stream = Recorder::create(&path, title, options.number)?;
     let viewer = address.map(|address| Viewer::start(address, title, source)).transpose()?;
-    Ok(Destination { path, sink, viewer, complete })
+    Ok(Destination { stream, viewer, complete })
 }

@@ -1,13 +1,13 @@
 //! Machine and obstacles in the recording: solids once, link poses as the machine moves.
 
 use nalgebra::Isometry3;
-use rerun::RecordingStream;
 use twin_urdf::Model;
 
 use super::solids;
 use crate::bounds::Bounds;
 use crate::error::Result;
 use crate::frame::Obstacle;
+use crate::recorder::Recorder;
 use crate::units;
 
 /// The links of the machine in the recording.
@@ -26,7 +26,7 @@ struct Link {
 impl Machine {
     /// Logs the solids of every link below an entity of its own, and takes them into the bounds at their home poses.
     pub(crate) fn log_solids(
-        stream: &RecordingStream,
+        stream: &mut Recorder,
         model: &Model,
         home: &[Isometry3<f64>],
         bounds: &mut Bounds,
@@ -49,7 +49,7 @@ impl Machine {
     /// Logs where the links are that have moved, at the stream's time.
     pub(crate) fn log_poses(
         &mut self,
-        stream: &RecordingStream,
+        stream: &mut Recorder,
         poses: &[Isometry3<f64>],
     ) -> Result<()> {
         for (link, pose) in self.links.iter_mut().zip(poses) {
@@ -67,7 +67,7 @@ impl Machine {
 
 /// Logs the obstacles, each below an entity of its own, and adds them to the bounds.
 pub(crate) fn log_obstacles(
-    stream: &RecordingStream,
+    stream: &mut Recorder,
     obstacles: &[Obstacle<'_>],
     bounds: &mut Bounds,
 ) -> Result<()> {

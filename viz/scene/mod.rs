@@ -16,13 +16,10 @@ mod trail;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Isometry3, Point3};
-use rerun::sink::LogSink;
-use rerun::{RecordingStream, RecordingStreamBuilder, TimeCell};
 use twin_urdf::Model;
 
 use crate::blueprint::{self, Layout};
@@ -31,8 +28,9 @@ use crate::error::{Result, VizError};
 use crate::frame::{Axis, Deviation, DrivesFrame, Frame, Obstacle, PathStrip, Program};
 use crate::motor_plot::MotorPlot;
 use crate::palette;
+use crate::recorder::Recorder;
 use crate::server::Viewer;
-use crate::timeline::{LINE, Playback, TIME};
+use crate::timeline::Playback;
 use clearance::ClearanceTrack;
 use destination::Destination;
 use due::Due;
@@ -44,8 +42,6 @@ use series::{AxisSeries, Series};
 use signals::Signals;
 use track::ToolTrack;
 
-/// Name under which the viewer groups our recordings.
-pub(crate) const APPLICATION: &str = "twin";
 /// Poses are shown 50 times a second of program time; a screen does not show more.
 const POSE_INTERVAL_NS: i64 = 20_000_000;
 /// Height of what the close-up of the tool shows, m.
@@ -73,8 +69,8 @@ pub struct Setup<'a> {
 /// A recording being written, and the page that shows it.
 #[derive(Debug)]
 pub struct Scene {
-    stream: RecordingStream,
-    path: PathBuf,
+    stream: Recorder,
+    is_paced: bool,
     /// True when the recording is complete; the page reads it.
     complete: Arc<AtomicBool>,
     viewer: Option<Viewer>,
@@ -109,31 +105,22 @@ impl Scene {
     /// neighbours if the destinations cannot be had; [`VizError::Count`] if `home` does not fit the machine.
     pub fn open(options: &SceneOptions, setup: &Setup<'_>) -> Result<Self> {
         VizError::check_links(setup.machine.links.len(), setup.home.len())?;
-        let Destination { path, sink, viewer, complete } =
+        let Destination { mut stream, viewer, complete } =
             destination::open(options, setup.program.name)?;
-        let stream = RecordingStreamBuilder::new(APPLICATION)
-            .recording_name(setup.program.name)
-            .enabled(true)
-            .batcher_config(options.playback.batcher())
-            .set_sinks(vec![Box::new(sink) as Box<dyn LogSink>])?;
-        // Only the time of the program counts; when a value happened to be logged does not.
-        stream.set_log_time_enabled(false);
-        stream.set_log_tick_enabled(false);
-
         let mut bounds = Bounds::default();
         stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
-        let mut machine = Machine::log_solids(&stream, setup.machine, setup.home, &mut bounds)?;
-        machine::log_obstacles(&stream, setup.surroundings, &mut bounds)?;
-        At { time_ns: 0, line: 0 }.set(&stream);
-        machine.log_poses(&stream, setup.home)?;
-        program::log_about(&stream, setup)?;
+        let mut machine = Machine::log_solids(&mut stream, setup.machine, setup.home, &mut bounds)?;
+        machine::log_obstacles(&mut stream, setup.surroundings, &mut bounds)?;
+        stream.set_time(0, 0);
+        machine.log_poses(&mut stream, setup.home)?;
+        program::log_about(&mut stream, setup)?;
 
         let error = |name, label, color| Series::new(format!("error/tool/{name}"), label, color);
         let speed = |name, color| Series::new(format!("speed/{name}"), name, color);
         let twin = error("twin", "twin to set-point", palette::twin());
         let drives = error("drives", "drives to set-point", palette::drives());
         // The page must know the machine and the names before the first values.
-        stream.flush_async().map_err(VizError::write(&path))?;
+        stream.flush()?;
         let layout = Layout {
             axes: setup.axes.to_vec(),
             motors: Vec::new(),
@@ -143,7 +130,7 @@ impl Scene {
         };
         Ok(Self {
             stream,
-            path,
+            is_paced: options.is_paced,
             complete,
             viewer,
             bounds,
@@ -181,7 +168,7 @@ impl Scene {
     pub fn programmed_path(&mut self, strips: &[PathStrip]) -> Result<()> {
         strips.iter().flat_map(|strip| &strip.points).for_each(|point| self.bounds.add(point));
         self.strips_logged += 1;
-        trail::log_programmed(&self.stream, self.strips_logged, strips)
+        trail::log_programmed(&mut self.stream, self.strips_logged, strips)
     }
 
     /// Declares the signals by name, all off; call it before the first frame.
@@ -202,8 +189,8 @@ impl Scene {
         on: bool,
     ) -> Result<()> {
         self.lay_out()?;
-        At { time_ns, line }.set(&self.stream);
-        match self.signals.switch(&self.stream, tool, signal, on)? {
+        self.stream.set_time(time_ns, line);
+        match self.signals.switch(&mut self.stream, tool, signal, on)? {
             Some(words) => self.news(time_ns, line, &words),
             None => Ok(()),
         }
@@ -223,22 +210,22 @@ impl Scene {
         }
         self.lay_out()?;
         let at = At { time_ns: frame.time_ns, line: frame.line };
-        at.set(&self.stream);
+        self.stream.set_time(at.time_ns, at.line);
 
-        self.setpoint.add(&self.stream, at, &frame.setpoint, 0.0)?;
-        self.twin.add(&self.stream, at, &frame.twin.tool, frame.twin.tool_error)?;
+        self.setpoint.add(&mut self.stream, at, &frame.setpoint, 0.0)?;
+        self.twin.add(&mut self.stream, at, &frame.twin.tool, frame.twin.tool_error)?;
         if let Some(DrivesFrame { deviation, tool_error_to_twin }) = &frame.drives {
-            self.drives.add(&self.stream, at, &deviation.tool, deviation.tool_error)?;
+            self.drives.add(&mut self.stream, at, &deviation.tool, deviation.tool_error)?;
             self.between.add_length(at, *tool_error_to_twin);
         }
         if self.pose_due.take(frame.time_ns) {
-            self.machine.log_poses(&self.stream, frame.link_poses)?;
+            self.machine.log_poses(&mut self.stream, frame.link_poses)?;
             let newest = [&self.setpoint, &self.twin, &self.drives]
                 .into_iter()
                 .filter_map(ToolTrack::newest);
-            trail::log_newest(&self.stream, newest)?;
+            trail::log_newest(&mut self.stream, newest)?;
             if let Some(track) = &mut self.clearance {
-                track.join(&self.stream, frame.clearance.as_ref())?;
+                track.join(&mut self.stream, frame.clearance.as_ref())?;
             }
         }
         if let Some((track, clearance)) = self.clearance.as_mut().zip(frame.clearance.as_ref()) {
@@ -257,12 +244,12 @@ impl Scene {
         for (series, motor) in self.motors.iter_mut().zip(frame.motors) {
             series.add(at, motor);
         }
-        self.excerpt.log(&self.stream, frame.line)?;
+        self.excerpt.log(&mut self.stream, frame.line)?;
         if self.series_due.take(frame.time_ns) {
             self.send_series()?;
         }
         if self.rows_due.take(frame.time_ns) {
-            self.send_rows()?;
+            self.stream.flush()?;
         }
         Ok(())
     }
@@ -273,45 +260,49 @@ impl Scene {
     /// [`VizError::Log`] if rerun refuses it.
     pub fn news(&mut self, time_ns: i64, line: u32, what: &str) -> Result<()> {
         self.lay_out()?;
-        At { time_ns, line }.set(&self.stream);
+        self.stream.set_time(time_ns, line);
         let seconds = std::time::Duration::from_nanos(u64::try_from(time_ns).unwrap_or(0));
-        self.excerpt.log_news(&self.stream, (seconds.as_secs_f64(), line), what)
+        self.excerpt.log_news(&mut self.stream, (seconds.as_secs_f64(), line), what)
     }
 
-    /// Writes all data still held back and closes the recording. The page, if there is one, goes on until the returned
-    /// [`Viewer`] is dropped.
+    /// Closes the recording, as [`Self::close`] does. The page, if there is one, goes on until the returned [`Viewer`]
+    /// is dropped.
     ///
     /// # Errors
     /// [`VizError::Write`] if not everything could be written.
     pub fn finish(mut self) -> Result<Option<Viewer>> {
+        self.close()?;
+        Ok(self.viewer.take())
+    }
+
+    /// Writes all data still held back and closes the recording, within a second. The page, if there is one, goes on
+    /// until the scene is dropped.
+    ///
+    /// # Errors
+    /// [`VizError::Write`] if not everything could be written.
+    pub fn close(&mut self) -> Result<()> {
         self.lay_out()?;
         for track in [&mut self.setpoint, &mut self.twin, &mut self.drives] {
-            track.flush_trail(&self.stream)?;
+            track.flush_trail(&mut self.stream)?;
         }
         self.send_series()?;
-        self.stream.flush_blocking().map_err(VizError::write(&self.path))?;
-        self.stream.finalize_deferred_sinks();
+        let finished = self.stream.finish();
         self.complete.store(true, Ordering::Release);
-        Ok(self.viewer.take())
+        finished
     }
 
     /// Sends what the plots hold back.
     fn send_series(&mut self) -> Result<()> {
         for track in [&mut self.twin, &mut self.drives] {
-            track.flush_error(&self.stream)?;
+            track.flush_error(&mut self.stream)?;
         }
         for series in [&mut self.between, &mut self.path_speed, &mut self.programmed_speed] {
-            series.flush(&self.stream)?;
+            series.flush(&mut self.stream)?;
         }
-        self.clearance.iter_mut().try_for_each(|track| track.flush(&self.stream))?;
-        self.signals.flush(&self.stream)?;
-        self.axes.iter_mut().try_for_each(|axis| axis.flush(&self.stream))?;
-        self.motors.iter_mut().try_for_each(|motor| motor.flush(&self.stream))
-    }
-
-    /// Sends what rerun holds back of everything else.
-    fn send_rows(&self) -> Result<()> {
-        self.stream.flush_async().map_err(VizError::write(&self.path))
+        self.clearance.iter_mut().try_for_each(|track| track.flush(&mut self.stream))?;
+        self.signals.flush(&mut self.stream)?;
+        self.axes.iter_mut().try_for_each(|axis| axis.flush(&mut self.stream))?;
+        self.motors.iter_mut().try_for_each(|motor| motor.flush(&mut self.stream))
     }
 
     fn fits(&self, frame: &Frame<'_>) -> Result<()> {
@@ -335,7 +326,10 @@ impl Scene {
     fn lay_out(&mut self) -> Result<()> {
         if !self.has_layout {
             self.has_layout = true;
-            blueprint::send(&self.stream, APPLICATION, &self.layout, &self.bounds, self.playback)?;
+            blueprint::send(&mut self.stream, &self.layout, &self.bounds, self.playback)?;
+            if self.is_paced {
+                self.stream.hurry();
+            }
         }
         Ok(())
     }
@@ -344,8 +338,10 @@ impl Scene {
 impl Drop for Scene {
     /// An abandoned scene also ends its recording properly and informs the page.
     fn drop(&mut self) {
-        self.stream.finalize_deferred_sinks();
-        self.complete.store(true, Ordering::Release);
+        if !self.complete.load(Ordering::Acquire) {
+            self.stream.finish().ok();
+            self.complete.store(true, Ordering::Release);
+        }
     }
 }
 
@@ -354,12 +350,4 @@ impl Drop for Scene {
 pub(crate) struct At {
     pub(crate) time_ns: i64,
     pub(crate) line: u32,
-}
-
-impl At {
-    /// Everything logged from here on is at this place.
-    pub(crate) fn set(self, stream: &RecordingStream) {
-        stream.set_time(TIME, TimeCell::from_duration_nanos(self.time_ns));
-        stream.set_time(LINE, TimeCell::from_sequence(i64::from(self.line)));
-    }
 }

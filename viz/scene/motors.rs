@@ -1,13 +1,12 @@
 //! Time series of the motors: force or torque, power, utilisation, warmth, load angle.
 
-use rerun::RecordingStream;
-
 use super::At;
 use super::series::Series;
 use crate::error::Result;
 use crate::frame::{Axis, MotorFrame};
 use crate::motor_plot::MotorPlot;
 use crate::palette;
+use crate::recorder::Recorder;
 
 /// The series of the motor of one axis.
 #[derive(Debug)]
@@ -70,7 +69,7 @@ impl MotorSeries {
     }
 
     /// Sends what is held back.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
+    pub(super) fn flush(&mut self, stream: &mut Recorder) -> Result<()> {
         let Self { effort, limit, power, utilisation, warmth, load_angle } = self;
         [effort, limit, power, utilisation, warmth, load_angle]
             .into_iter()

@@ -14,4 +14,9 @@ pub struct SceneOptions {
     pub serve: Option<SocketAddr>,
     /// Playback mode of the viewer when it opens.
     pub playback: Playback,
+    /// True if frames come in step with the clock: then a slow file costs data, and never time.
+    pub is_paced: bool,
+    /// Number of the recording, which gives its rows theirs: equal frames and numbers make equal files. `None` takes a
+    /// random one.
+    pub number: Option<u64>,
 }

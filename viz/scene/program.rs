@@ -2,11 +2,12 @@
 
 use std::collections::VecDeque;
 
-use rerun::{RecordingStream, TextDocument};
+use rerun::TextDocument;
 
 use super::Setup;
 use super::clearance::NEAR;
 use crate::error::Result;
+use crate::recorder::Recorder;
 use crate::units::mm;
 
 /// Lines shown before the current one.
@@ -37,7 +38,7 @@ impl Excerpt {
     }
 
     /// Logs the lines around `line`, from 1, if it is another than the one shown, at the stream's time.
-    pub(super) fn log(&mut self, stream: &RecordingStream, line: u32) -> Result<()> {
+    pub(super) fn log(&mut self, stream: &mut Recorder, line: u32) -> Result<()> {
         if self.shown != Some(line) {
             self.shown = Some(line);
             stream.log("program/here", &TextDocument::from_markdown(self.page(line)))?;
@@ -48,7 +49,7 @@ impl Excerpt {
     /// Logs what has happened at `line`, `time` s after the start, and the lines around it.
     pub(super) fn log_news(
         &mut self,
-        stream: &RecordingStream,
+        stream: &mut Recorder,
         (time, line): (f64, u32),
         what: &str,
     ) -> Result<()> {
@@ -98,7 +99,7 @@ impl Excerpt {
 }
 
 /// Logs what the page shows, in words.
-pub(super) fn log_about(stream: &RecordingStream, setup: &Setup<'_>) -> Result<()> {
+pub(super) fn log_about(stream: &mut Recorder, setup: &Setup<'_>) -> Result<()> {
     let drives =
         setup.drives.map_or_else(String::new, |drives| format!("  \n**Drives** {drives} (orange)"));
     let clearance = setup.clearance.map_or_else(String::new, |_| {
@@ -135,10 +136,11 @@ mod tests {
     #[test]
     fn what_has_happened_stands_below_the_lines() {
         let mut excerpt = Excerpt::new("G0 X0\nG1 X5\n");
-        let stream = RecordingStream::disabled();
+        let folder = tempfile::tempdir().unwrap();
+        let mut stream = Recorder::create(&folder.path().join("a.rrd"), "a", None).unwrap();
         for (number, what) in ["a", "b", "c", "d", "e"].into_iter().enumerate() {
             let line = u32::try_from(number).unwrap() % 2 + 1;
-            excerpt.log_news(&stream, (0.5, line), what).unwrap();
+            excerpt.log_news(&mut stream, (0.5, line), what).unwrap();
         }
         assert_eq!(
             excerpt.page(2),

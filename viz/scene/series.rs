@@ -1,11 +1,12 @@
 //! Time series (plot lines), sent in batches.
 
-use rerun::{RecordingStream, Scalars, SeriesLines, TimeColumn};
+use rerun::{Scalars, SeriesLines, TimeColumn};
 
 use super::At;
 use crate::error::Result;
 use crate::frame::{Axis, AxisUnit};
 use crate::palette;
+use crate::recorder::Recorder;
 use crate::timeline::{LINE, TIME};
 use crate::units::mm;
 
@@ -54,7 +55,7 @@ impl Series {
     }
 
     /// Sends what is held back.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
+    pub(super) fn flush(&mut self, stream: &mut Recorder) -> Result<()> {
         if self.values.is_empty() {
             return Ok(());
         }
@@ -71,8 +72,7 @@ impl Series {
         let times = TimeColumn::new_duration_nanos(TIME, std::mem::take(&mut self.times_ns));
         let lines = TimeColumn::new_sequence(LINE, std::mem::take(&mut self.lines));
         let values = Scalars::new(std::mem::take(&mut self.values)).columns_of_unit_batches()?;
-        stream.send_columns(self.entity.as_str(), [times, lines], values)?;
-        Ok(())
+        stream.send_columns(self.entity.as_str(), [times, lines], values)
     }
 }
 
@@ -123,7 +123,7 @@ impl AxisSeries {
     }
 
     /// Sends what is held back.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
+    pub(super) fn flush(&mut self, stream: &mut Recorder) -> Result<()> {
         self.twin.flush(stream)?;
         self.drives.flush(stream)
     }

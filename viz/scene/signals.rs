@@ -1,12 +1,13 @@
 //! Switched signals: lines over time in a plot, and marks along the trails.
 
 use nalgebra::Point3;
-use rerun::{Points3D, Radius, RecordingStream};
+use rerun::{Points3D, Radius};
 
 use super::At;
 use super::series::Series;
 use crate::error::Result;
 use crate::palette;
+use crate::recorder::Recorder;
 use crate::units::point_mm;
 
 /// Marks are kept as trails are: all up to the cursor are shown.
@@ -52,7 +53,7 @@ impl Signals {
     /// Switches a signal at the set-point; the words for it, if there is such a signal.
     pub(super) fn switch(
         &mut self,
-        stream: &RecordingStream,
+        stream: &mut Recorder,
         tool: &Point3<f64>,
         index: usize,
         on: bool,
@@ -78,7 +79,7 @@ impl Signals {
     }
 
     /// Sends what is held back.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
+    pub(super) fn flush(&mut self, stream: &mut Recorder) -> Result<()> {
         self.signals.iter_mut().try_for_each(|signal| signal.series.flush(stream))
     }
 }

@@ -1,14 +1,15 @@
 //! Solids in the recording, as rerun shapes.
 
 use nalgebra::Vector3;
-use rerun::{FillMode, RecordingStream};
+use rerun::FillMode;
 use twin_urdf::{Mesh, Solid, SolidShape};
 
 use crate::error::Result;
+use crate::recorder::Recorder;
 use crate::units;
 
 /// Logs `solids` below `entity`, in its frame, without a time.
-pub(super) fn log(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
+pub(super) fn log(stream: &mut Recorder, entity: &str, solids: &[Solid]) -> Result<()> {
     log_boxes(stream, entity, solids)?;
     log_cylinders(stream, entity, solids)?;
     log_spheres(stream, entity, solids)?;
@@ -39,7 +40,7 @@ fn of_shape<T>(
         .unzip()
 }
 
-fn log_boxes(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
+fn log_boxes(stream: &mut Recorder, entity: &str, solids: &[Solid]) -> Result<()> {
     let (solids, sizes) = of_shape(solids, |shape| match shape {
         SolidShape::Box { size } => Some(units::vector_mm(size)),
         _ => None,
@@ -54,7 +55,7 @@ fn log_boxes(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result
     Ok(())
 }
 
-fn log_cylinders(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
+fn log_cylinders(stream: &mut Recorder, entity: &str, solids: &[Solid]) -> Result<()> {
     let (solids, measures) = of_shape(solids, |shape| match shape {
         SolidShape::Cylinder { radius, length } => {
             Some((units::mm_f32(*length), units::mm_f32(*radius)))
@@ -73,7 +74,7 @@ fn log_cylinders(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Re
     Ok(())
 }
 
-fn log_spheres(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
+fn log_spheres(stream: &mut Recorder, entity: &str, solids: &[Solid]) -> Result<()> {
     let (solids, radii) = of_shape(solids, |shape| match shape {
         SolidShape::Sphere { radius } => Some(units::mm_f32(*radius)),
         _ => None,
@@ -87,7 +88,7 @@ fn log_spheres(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Resu
     Ok(())
 }
 
-fn log_capsules(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
+fn log_capsules(stream: &mut Recorder, entity: &str, solids: &[Solid]) -> Result<()> {
     let (solids, measures) = of_shape(solids, |shape| match shape {
         SolidShape::Capsule { radius, length } => {
             Some((units::mm_f32(*length), units::mm_f32(*radius)))
@@ -112,7 +113,7 @@ fn log_capsules(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Res
 }
 
 /// Every mesh is an entity of its own, in the frame of its parent.
-fn log_meshes(stream: &RecordingStream, entity: &str, solids: &[Solid]) -> Result<()> {
+fn log_meshes(stream: &mut Recorder, entity: &str, solids: &[Solid]) -> Result<()> {
     let (solids, meshes) = of_shape(solids, |shape| match shape {
         SolidShape::Mesh { mesh, scale } => Some((mesh.clone(), *scale)),
         _ => None,

@@ -1,13 +1,13 @@
 //! Tool tracks: marker, trail and error of the set-point, the twin and the drives.
 
 use nalgebra::Point3;
-use rerun::RecordingStream;
 
 use super::At;
 use super::due::Due;
 use super::series::Series;
 use super::trail::{self, Trail};
 use crate::error::Result;
+use crate::recorder::Recorder;
 use crate::units::point_mm;
 
 /// Marker, trail and error of a tool. None of them exists in the recording until the tool has a position.
@@ -41,7 +41,7 @@ impl ToolTrack {
     /// Adds the tool's position and its distance from the set-point, m. The stream must be at that time.
     pub(super) fn add(
         &mut self,
-        stream: &RecordingStream,
+        stream: &mut Recorder,
         at: At,
         tool: &Point3<f64>,
         error: f64,
@@ -64,17 +64,17 @@ impl ToolTrack {
     }
 
     /// Sends what the plot holds back.
-    pub(super) fn flush_error(&mut self, stream: &RecordingStream) -> Result<()> {
+    pub(super) fn flush_error(&mut self, stream: &mut Recorder) -> Result<()> {
         self.error.as_mut().map_or(Ok(()), |error| error.flush(stream))
     }
 
     /// Sends the end of the trail.
-    pub(super) fn flush_trail(&mut self, stream: &RecordingStream) -> Result<()> {
+    pub(super) fn flush_trail(&mut self, stream: &mut Recorder) -> Result<()> {
         self.trail.flush(stream)
     }
 
     /// The close-up looks from the frame of the set-point, so markers are at the origin of their frames.
-    fn log_marker(&mut self, stream: &RecordingStream, tool: &Point3<f64>) -> Result<()> {
+    fn log_marker(&mut self, stream: &mut Recorder, tool: &Point3<f64>) -> Result<()> {
         if !self.has_marker {
             self.has_marker = true;
             trail::log_dot(stream, &self.entity, self.color)?;

@@ -1,12 +1,13 @@
 //! Paths in 3D: the programmed path, and the travelled trails.
 
 use nalgebra::{Point3, distance};
-use rerun::{LineStrips3D, Points3D, Radius, RecordingStream};
+use rerun::{LineStrips3D, Points3D, Radius};
 
 use super::At;
 use crate::error::Result;
 use crate::frame::{MoveKind, PathStrip};
 use crate::palette;
+use crate::recorder::Recorder;
 use crate::units::point_mm;
 
 /// A corner of a trail at most every 4 ms: an arc of 10 mm radius at 100 mm/s is then drawn to 2 µm.
@@ -26,7 +27,7 @@ const MARKER_RADIUS: f32 = 4.0;
 
 /// Logs programmed moves, cuts, rapids and probing moves apart, and what preparation has made of them, as the `piece`-th of the path.
 pub(super) fn log_programmed(
-    stream: &RecordingStream,
+    stream: &mut Recorder,
     piece: usize,
     strips: &[PathStrip],
 ) -> Result<()> {
@@ -53,7 +54,7 @@ pub(super) fn log_programmed(
 }
 
 /// Logs the marker of a tool: a dot at the origin of its frame.
-pub(super) fn log_dot(stream: &RecordingStream, entity: &str, color: rerun::Color) -> Result<()> {
+pub(super) fn log_dot(stream: &mut Recorder, entity: &str, color: rerun::Color) -> Result<()> {
     let dot = Points3D::new([[0.0_f32; 3]])
         .with_colors([color])
         .with_radii([Radius::new_ui_points(MARKER_RADIUS)]);
@@ -64,7 +65,7 @@ pub(super) fn log_dot(stream: &RecordingStream, entity: &str, color: rerun::Colo
 /// Logs the ends of the trails that are not yet in a piece, at the stream's time: set-point, twin and, if there are
 /// any, drives.
 pub(super) fn log_newest(
-    stream: &RecordingStream,
+    stream: &mut Recorder,
     ends: impl IntoIterator<Item = Vec<[f32; 3]>>,
 ) -> Result<()> {
     let ends = LineStrips3D::new(ends)
@@ -98,12 +99,7 @@ impl Trail {
     }
 
     /// Adds where the tool is now.
-    pub(super) fn add(
-        &mut self,
-        stream: &RecordingStream,
-        at: At,
-        tool: &Point3<f64>,
-    ) -> Result<()> {
+    pub(super) fn add(&mut self, stream: &mut Recorder, at: At, tool: &Point3<f64>) -> Result<()> {
         let is_due = self.last_ns.is_none_or(|last| at.time_ns.saturating_sub(last) >= SAMPLE_NS);
         let has_moved = self.piece.last().is_none_or(|last| distance(last, tool) > STILL);
         if !is_due || !has_moved {
@@ -122,7 +118,7 @@ impl Trail {
     }
 
     /// Sends the piece, at the stream's time; the next begins where it ends.
-    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<()> {
+    pub(super) fn flush(&mut self, stream: &mut Recorder) -> Result<()> {
         if let [_, .., end] = self.piece.as_slice() {
             let end = *end;
             let points: Vec<[f32; 3]> = self.piece.iter().map(point_mm).collect();

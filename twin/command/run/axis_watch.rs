@@ -1,21 +1,29 @@
 //! SoftMotion's diagnosis of axes during a run: logs (`SMC_AxisDiagnosticLog`), tracking error with dead time
 //! (`SMC_GetTrackingError`), largest set values (`SMC_GetMaxSetVelocity`, `SMC_GetMaxSetAccDec`).
 
+use crate::clock::Clock;
 use crate::command::Failure;
-use crate::command::atomic_file::AtomicFile;
+use crate::command::atomic_file::{AtomicFile, unwritable};
+use crate::finding::Finding;
+use crate::messages::recording_ended;
 use crate::report::AxisMaximaReport;
 use crate::session::{DriveSample, TwinCycle};
 use std::collections::VecDeque;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::time::Duration;
 use twin_axis::{Largest, tracking_error};
 use twin_kinematics::AxisVector;
 use twin_machine::{Axis, Machine};
 use twin_number::seconds;
+use twin_viz::{Background, Item};
 
 /// Cycles whose set positions are remembered: the longest dead time, and how late drives may be heard of.
 const REMEMBERED: usize = 4000;
+/// Records are written when they have this size, bytes.
+const BATCH: usize = 16 << 10;
+/// How long a log may hold up a run that is not in step with the clock.
+const PATIENCE: Duration = Duration::from_secs(1);
 /// Values of a record, in the manual's order (10.4).
 const VALUES: [&str; 6] = [
     "set-position",
@@ -27,7 +35,7 @@ const VALUES: [&str; 6] = [
 ];
 
 /// What is watched of axes.
-#[derive(Clone, Debug, clap::Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 pub(super) struct AxisWatchOptions {
     /// Write values of an axis to a file, as `SMC_AxisDiagnosticLog` does, a record per sample of the drives, or per cycle without
     /// drives: AXIS=VALUES:FILE, with VALUES all or a list of set-position, act-position, set-velocity, act-velocity,
@@ -88,11 +96,13 @@ impl AxisWatchOptions {
         self.log_axis.iter_mut().map(|log| &mut log.file)
     }
 
-    /// Opens the logs; `drives` is true if there are samples of drives.
+    /// Opens the logs; `drives` is true if there are samples of drives, `is_paced` if the run is in step with the clock:
+    /// then a slow file costs records instead of time.
     pub(super) fn open<'m>(
         &self,
         machine: &'m Machine,
         drives: bool,
+        is_paced: bool,
     ) -> Result<AxisWatch<'m>, Failure> {
         let mut logs = Vec::with_capacity(self.log_axis.len());
         for wanted in &self.log_axis {
@@ -102,8 +112,12 @@ impl AxisWatchOptions {
                 let (name, names) = (&wanted.axis, names.join(", "));
                 Failure::Usage(format!("--log-axis: unknown axis `{name}`; the axes are {names}"))
             })?;
-            let out = AtomicFile::create(&wanted.file)?;
-            logs.push(Log { axis, selection: wanted.selection, out, last: None });
+            let (selection, path) = (wanted.selection, wanted.file.clone());
+            let file = Background::open("log", move || AtomicFile::begin(&path));
+            let file = file.map_err(|source| unwritable(&wanted.file, source))?;
+            let patience = if is_paced { Duration::ZERO } else { PATIENCE };
+            let (path, batch) = (wanted.file.clone(), Item::default());
+            logs.push(Log { axis, selection, path, file, patience, batch, last: None });
         }
         Ok(AxisWatch {
             machine,
@@ -112,7 +126,6 @@ impl AxisWatchOptions {
             set: VecDeque::new(),
             axes: vec![Watched::default(); machine.axes.len()],
             logs,
-            failure: None,
         })
     }
 }
@@ -128,8 +141,6 @@ pub(super) struct AxisWatch<'m> {
     set: VecDeque<(i64, AxisVector)>,
     axes: Vec<Watched>,
     logs: Vec<Log>,
-    /// The first error of a log.
-    failure: Option<io::Error>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -142,7 +153,11 @@ struct Watched {
 struct Log {
     axis: usize,
     selection: [bool; VALUES.len()],
-    out: AtomicFile,
+    path: PathBuf,
+    file: Background<Vec<u8>>,
+    patience: Duration,
+    /// Records to be written.
+    batch: Item<Vec<u8>>,
     /// The record before, and when.
     last: Option<(i64, [f64; VALUES.len()])>,
 }
@@ -171,17 +186,19 @@ impl AxisWatch<'_> {
             }
         }
         if !self.drives {
-            self.found(time_ns, &set.position, &cycle.twin.axes);
+            self.found((time_ns, cycle.setpoint.place.line), &set.position, &cycle.twin.axes);
         }
     }
 
     /// A sample of the drives.
     pub(super) fn drives(&mut self, sample: &DriveSample<'_>) {
-        self.found(sample.time_ns, &sample.wanted.axes, &sample.drives.axes);
+        let at = (sample.time_ns, sample.place.line);
+        self.found(at, &sample.wanted.axes, &sample.drives.axes);
     }
 
     /// The axes were found at `actual` when they should have been at `set`.
-    fn found(&mut self, time_ns: i64, set: &AxisVector, actual: &AxisVector) {
+    fn found(&mut self, at: (i64, u32), set: &AxisVector, actual: &AxisVector) {
+        let time_ns = at.0;
         if let Some(cycles) = self.dead_time {
             let then_ns = time_ns - i64::from(cycles) * self.machine.cycle_ns;
             let then = self.set.iter().rev().find(|(at_ns, _)| *at_ns <= then_ns);
@@ -199,9 +216,7 @@ impl AxisWatch<'_> {
         }
         for log in &mut self.logs {
             let Some(axis) = self.machine.axes.get(log.axis) else { continue };
-            if let Err(error) = log.record(axis, time_ns, [set, actual]) {
-                self.failure.get_or_insert(error);
-            }
+            log.record(axis, at, [set, actual]);
         }
     }
 
@@ -216,14 +231,22 @@ impl AxisWatch<'_> {
         Some(axes.collect())
     }
 
-    /// Closes the logs.
-    pub(super) fn finish(self) -> Result<(), Failure> {
-        self.logs.into_iter().try_for_each(|log| log.out.finish())?;
-        let unwritten = |error| {
-            let message = format!("--log-axis: the log file cannot be written: {error}");
-            Err(Failure::Usage(message))
+    /// Declares that no records follow.
+    pub(super) fn close(&mut self) {
+        for log in &mut self.logs {
+            log.send();
+            log.file.close();
+        }
+    }
+
+    /// Completes the logs, within a second of [`Self::close`] for all; those that ended before the run.
+    pub(super) fn finish(&mut self, since_close: Clock) -> Vec<Finding> {
+        let complete = |log: &mut Log| {
+            let taken = u64::try_from(since_close.now_ns()).unwrap_or(0);
+            let left = PATIENCE.saturating_sub(Duration::from_nanos(taken));
+            Some(recording_ended("log", &log.path, &log.file.finish(left).err()?))
         };
-        self.failure.map_or(Ok(()), unwritten)
+        self.logs.iter_mut().filter_map(complete).collect()
     }
 }
 
@@ -233,9 +256,9 @@ impl Log {
     fn record(
         &mut self,
         axis: &Axis,
-        time_ns: i64,
+        (time_ns, line): (i64, u32),
         [set, actual]: [&AxisVector; 2],
-    ) -> io::Result<()> {
+    ) {
         let of =
             |values: &AxisVector| axis.from_si(values.get(self.axis).copied().unwrap_or_default());
         let positions = [of(set), of(actual)];
@@ -243,7 +266,7 @@ impl Log {
         if let Some((before_ns, [p, q, v, w, ..])) = self.last {
             let since = seconds(time_ns - before_ns);
             if since <= 0.0 {
-                return Ok(());
+                return;
             }
             let per_s = |now: [f64; 2], before: [f64; 2]| {
                 [(now[0] - before[0]) / since, (now[1] - before[1]) / since]
@@ -256,6 +279,21 @@ impl Log {
         self.last = Some((time_ns, values));
         let chosen = values.iter().zip(self.selection).filter(|(_, chosen)| *chosen);
         let texts: Vec<_> = chosen.map(|(value, _)| value.to_string()).collect();
-        write!(self.out, "{}\r\n", texts.join("\t"))
+        if self.batch.records == 0 {
+            (self.batch.time_ns, self.batch.line) = (time_ns, line);
+        }
+        self.batch.records += 1;
+        self.batch.data.extend(format!("{}\r\n", texts.join("\t")).bytes());
+        if self.batch.data.len() >= BATCH {
+            self.send();
+        }
+    }
+
+    /// Sends the records that are held back.
+    fn send(&mut self) {
+        let batch = std::mem::take(&mut self.batch);
+        if batch.records > 0 {
+            self.file.send(Item { bytes: batch.data.len(), ..batch }, self.patience);
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 mod agreed;
 mod axis_watch;
+mod deadline;
 mod interrupt;
 mod keys;
 mod outputs;
@@ -26,6 +27,7 @@ use axis_watch::AxisWatchOptions;
 pub(super) use interrupt::Interrupt;
 use perform::{Done, perform};
 use startup::StartUpOptions;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -166,6 +168,16 @@ impl Arguments {
         Ok(program)
     }
 
+    /// Number of the recording of a simulated run: the same for the same run.
+    fn number(&self, machine: &Machine, outcome: &Outcome) -> u64 {
+        let mut run = Self { record: None, report: None, serve: None, ..self.clone() };
+        run.axis_watch = AxisWatchOptions::default();
+        let mut hasher = DefaultHasher::new();
+        let Outcome { elements, length, duration_ns, .. } = outcome;
+        format!("{run:?} {} {elements} {length} {duration_ns}", machine.name).hash(&mut hasher);
+        hasher.finish()
+    }
+
     /// The report, if one is wanted.
     fn report<'a>(
         &'a self,
@@ -215,8 +227,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let (mut status, mut caught) = (Status::Fit, None);
     let count = checked.len();
     for (index, checked) in checked.iter().enumerate() {
-        let (one, interrupt) = execute(&machine, checked, caught.take())?;
-        status = status.max(one);
+        let ((one, outputs), interrupt) = execute(&machine, checked, caught.take())?;
+        status = status.max(one).max(outputs);
         if one != Status::Fit {
             match count - index - 1 {
                 0 => {}
@@ -240,12 +252,12 @@ struct Checked {
     continues: Option<AxisVector>,
 }
 
-/// Runs a checked program and reports.
+/// Runs a checked program and reports. The first status is that of the run, the second that of its outputs.
 fn execute(
     machine: &Machine,
     checked: &Checked,
     caught: Option<Interrupt>,
-) -> Result<(Status, Interrupt), Failure> {
+) -> Result<((Status, Status), Interrupt), Failure> {
     let Checked { arguments, program, outcome, start, continues } = checked;
     let report = arguments.report(machine, program, outcome);
     let mut outcome = outcome.clone();
@@ -272,6 +284,7 @@ fn execute(
         behind.extend(crate::check::faults_to_come(machine, &done.ending.record));
     }
     outcome.loads.clone_from(&done.ending.record.loads);
+    behind.extend_from_slice(&done.ended);
     show::findings(program, &behind, true);
     outcome.findings.extend(behind);
     finding::sort(&mut outcome.findings);
@@ -279,7 +292,8 @@ fn execute(
 
     let reason = done.ending.reason();
     // First what was asked for in files: nobody may be reading what is printed.
-    report.write(&done.ending, (done.samples, done.maxima.clone()), reason.clone())?;
+    let parts = (done.samples, done.maxima.clone());
+    let is_reported = report.write(&done.ending, parts, reason.clone()).is_ok();
     let mut out = io::stdout().lock();
     check::summary(&mut out, machine, program, &outcome).map_err(Failure::Stdio)?;
     summary(&mut out, machine, &done).map_err(Failure::Stdio)?;
@@ -310,12 +324,15 @@ fn execute(
     }
     done.shown?;
     let unfit = if finding::unfit(&outcome.findings) { Status::Unfit } else { Status::Fit };
+    let is_whole = is_reported && done.ended.is_empty();
+    let outputs = if is_whole { Status::Fit } else { Status::Failed };
     let status = judge(arguments, &done.ending).max(unfit);
+    drop(done.deadline);
     if let Some(url) = done.picture.url().filter(|_| interrupt.count() == 0) {
         stderr!("the view stays at {url} until Ctrl-C");
         interrupt.wait();
     }
-    Ok((status, interrupt))
+    Ok(((status, outputs), interrupt))
 }
 
 impl Arguments {

@@ -1,15 +1,19 @@
 //! Execution of a checked program: open drives and view, run, and bring everything to rest.
 
+use super::deadline::Deadline;
 use super::interrupt::Interrupt;
 use super::prompt::Prompt;
 use super::summary::Report;
 use super::watcher::{Watcher, open_keys};
 use super::{APPROACH, Arguments, Drives, startup};
+use crate::clock::Clock;
 use crate::command::progress::ProgressLines;
 use crate::command::{Failure, show};
+use crate::finding::Finding;
 use crate::hardware::Heard;
 use crate::limit::Limits;
 use crate::live_view::Picture;
+use crate::messages::recording_ended;
 use crate::program::Dialect;
 use crate::report::AxisMaximaReport;
 use crate::session::{Ending, Session};
@@ -17,7 +21,7 @@ use crate::simulated::Simulated;
 use twin_kinematics::AxisVector;
 use twin_machine::DeviceEntry;
 use twin_number::seconds;
-use twin_viz::{Playback, SceneOptions};
+use twin_viz::{Playback, SceneOptions, VizError};
 
 /// A run that has come to its end, wherever that was.
 pub(super) struct Done<'m> {
@@ -31,6 +35,10 @@ pub(super) struct Done<'m> {
     pub(super) picture: Picture<'m>,
     /// Result of view and recording.
     pub(super) shown: Result<(), Failure>,
+    /// Recordings and logs that ended before the run.
+    pub(super) ended: Vec<Finding>,
+    /// Of what follows.
+    pub(super) deadline: Deadline,
 }
 
 /// Opens view and drives, runs the program, and brings everything to rest. Also Ctrl-C, which is caught from the
@@ -44,7 +52,8 @@ pub(super) fn perform<'m>(
     let (machine, program, outcome) = (about.machine, about.program, about.outcome);
     let emulated = arguments.drives == Drives::Emulated && !machine.drives.is_empty();
     let has_drives = emulated || arguments.drives == Drives::Real;
-    let axes = arguments.axis_watch.open(machine, has_drives)?;
+    let paced = arguments.realtime || has_drives;
+    let axes = arguments.axis_watch.open(machine, has_drives, paced)?;
     // Until here Ctrl-C ends everything, and so it does while the user is asked.
     let real = (arguments.drives == Drives::Real)
         .then(|| startup::real(&arguments.start_up, machine, (outcome, start), APPROACH))
@@ -55,6 +64,8 @@ pub(super) fn perform<'m>(
         // A page that plays at its own pace keeps up with the many samples of drives also where it is drawn without a
         // graphics card, and one that is opened late shows the whole run.
         playback: Playback::FromStart,
+        is_paced: paced,
+        number: (!paced).then(|| arguments.number(machine, outcome)),
     };
     let mut families: Vec<_> = machine.drives.iter().map(DeviceEntry::family_name).collect();
     families.dedup();
@@ -96,7 +107,6 @@ pub(super) fn perform<'m>(
     let realtime = arguments.realtime;
     let limits = arguments.limits.of(machine, program)?;
     let overrides = &arguments.override_at;
-    let paced = realtime || has_drives;
     let stepping = limits == Limits::Programmed
         && program.dialect() != Dialect::Job
         && program.settings().workpiece.is_none();
@@ -123,17 +133,28 @@ pub(super) fn perform<'m>(
         keys: if paced { open_keys(program, stepping) } else { None },
         stepping,
     };
-    let clock = crate::clock::Clock::start();
+    let clock = Clock::start();
     let ending = session
         .run(&mut watcher, &|| interrupt.count())
         .map_err(|failure| Failure::check(program, failure.into()))?;
     let took = seconds(clock.now_ns());
+    let deadline = Deadline::set()?;
     let samples = watcher.samples;
     drop(watcher.keys.take());
-    let maxima = watcher.axes.maxima();
-    let logged = watcher.axes.finish();
+    let mut axes = watcher.axes;
+    axes.close();
+    let closed = Clock::start();
+    let (mut ended, mut shown) = (Vec::new(), Ok(()));
+    match picture.finish() {
+        Ok(()) => {}
+        Err(VizError::Write { path, ended: by }) => {
+            ended.push(recording_ended("recording", &path, &by));
+        }
+        Err(error) => shown = Err(error.into()),
+    }
+    ended.extend(axes.finish(closed));
     bar.finish_and_clear();
     drop(emulators);
-    let shown = picture.finish().map_err(Failure::from).and(logged);
-    Ok((Done { ending, samples, maxima, took, picture, shown }, interrupt))
+    let maxima = axes.maxima();
+    Ok((Done { ending, samples, maxima, took, picture, shown, ended, deadline }, interrupt))
 }

@@ -6,6 +6,7 @@ use crate::command::atomic_file::{AtomicFile, unwritable};
 use crate::command::{Failure, show};
 use crate::compare::{Comparison, ErrorStatistics, Statistics};
 use crate::hardware::Heard;
+use crate::messages::recording_ended;
 use crate::per_axis::PerAxis;
 use crate::program::ProgramFile;
 use crate::report::AxisMaximaReport;
@@ -16,8 +17,10 @@ use crate::report::{
 use crate::session::{Ending, Punctuality};
 use std::io::{self, Write};
 use std::path::Path;
+use std::time::Duration;
 use twin_machine::Machine;
 use twin_number::{rounded, seconds};
+use twin_viz::{Background, Ended, Item};
 
 /// How often drives were heard of, all together and each.
 fn samples_report(all: Heard, devices: &[(String, Heard)]) -> DriveSamplesReport {
@@ -164,7 +167,10 @@ pub(super) struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// Writes how a run ended.
+    /// Writes how a run ended; on standard output, with a finding, if the file cannot be written.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] if it is not in its file.
     pub(super) fn write(
         &self,
         ending: &Ending,
@@ -174,7 +180,7 @@ impl Report<'_> {
         let Some(path) = self.path else { return Ok(()) };
         let Comparison { tool, axes } = &ending.comparison;
         let axis_error = self.machine.axes.iter().zip(axes);
-        let report = RunReport {
+        let mut report = RunReport {
             check: CheckReport::new(self.machine, self.program, self.outcome),
             completed: stopped_because.is_none(),
             stopped_because,
@@ -192,9 +198,14 @@ impl Report<'_> {
             ),
             axis_maxima: maxima.map(PerAxis),
         };
-        let mut file = AtomicFile::create(path)?;
-        write_json(&mut file, &report).map_err(|source| unwritable(path, source))?;
-        file.finish()
+        let Err(ended) = to_file(path, ending.executed_ns, json(&report)?) else { return Ok(()) };
+        let finding = recording_ended("report", path, &ended);
+        show::findings(self.program, std::slice::from_ref(&finding), true);
+        let mut outcome = self.outcome.clone();
+        outcome.findings.push(finding);
+        report.check = CheckReport::new(self.machine, self.program, &outcome);
+        io::stdout().write_all(&json(&report)?).map_err(Failure::Stdio)?;
+        Err(unwritable(path, ended.cause))
     }
 
     /// Writes that a run came to nothing, and why.
@@ -204,7 +215,18 @@ impl Report<'_> {
     }
 }
 
-fn write_json(file: &mut AtomicFile, report: &RunReport) -> io::Result<()> {
-    serde_json::to_writer_pretty(&mut *file, report)?;
-    writeln!(file)
+fn json(report: &RunReport) -> Result<Vec<u8>, Failure> {
+    let mut text =
+        serde_json::to_vec_pretty(report).map_err(|error| Failure::Stdio(error.into()))?;
+    text.push(b'\n');
+    Ok(text)
+}
+
+/// Writes a report to its file, which has half a second for it.
+fn to_file(path: &Path, time_ns: i64, data: Vec<u8>) -> Result<(), Ended> {
+    let name = path.to_owned();
+    let never = |cause| Ended { time_ns, line: 0, cause, lost: 0 };
+    let mut file = Background::open("report", move || AtomicFile::begin(&name)).map_err(never)?;
+    file.send(Item { time_ns, line: 0, bytes: data.len(), records: 0, data }, Duration::ZERO);
+    file.finish(Duration::from_millis(500))
 }

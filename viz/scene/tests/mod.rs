@@ -443,3 +443,39 @@ fn a_scene_given_up_half_way_leaves_a_readable_recording() {
     drop(scene);
     assert_eq!(Read::new(&path).places("machine/arm 1").len(), 3);
 }
+
+#[test]
+fn equal_frames_and_numbers_make_equal_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rrd");
+    let recorded = |number| {
+        let record = Some(path.clone());
+        let mut scene = open(&SceneOptions { record, number, ..SceneOptions::default() }).unwrap();
+        // Some batches of 2 s.
+        (0..5000).for_each(|ms| log_ms(&mut scene, ms, ms % 25 == 5));
+        scene.finish().unwrap();
+        std::fs::read(&path).unwrap()
+    };
+    assert!(recorded(Some(7)) == recorded(Some(7)));
+    assert!(recorded(Some(7)) != recorded(Some(8)));
+    assert!(recorded(None) != recorded(None));
+}
+
+#[test]
+fn a_recording_that_is_removed_or_replaced_is_an_error_at_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rrd");
+    for replaced in [false, true] {
+        let mut scene = open_file(&path);
+        log_ms(&mut scene, 1, false);
+        std::fs::remove_file(&path).unwrap();
+        if replaced {
+            std::fs::write(&path, "another").unwrap();
+        }
+        let error = scene.close().unwrap_err();
+        let VizError::Write { ended, .. } = error else { panic!("{error:?}") };
+        assert_eq!(ended.cause.kind(), std::io::ErrorKind::NotFound);
+        drop(scene);
+        assert_eq!(path.exists(), replaced);
+    }
+}
