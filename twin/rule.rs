@@ -250,7 +250,7 @@ rules! {
     RecordingEnded {
         name: "recording-ended",
         severities: [Warning],
-        meaning: "a recording, log or report of a run that ended before the run: its file is full, too slow or gone. The run went on, and the exit status is 2",
+        meaning: "a recording, log or report that ended before its run: the file is full, too slow or gone. The run went on, and the exit status is 2",
         remedy: "make room, or name a file on another disk; what was written before is in the file, and the report is on standard output",
     }
     CamContinuity {
