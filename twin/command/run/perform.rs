@@ -1,5 +1,6 @@
 //! Execution of a checked program: open drives and view, run, and bring everything to rest.
 
+use super::axis_watch::AxisWatch;
 use super::deadline::Deadline;
 use super::interrupt::Interrupt;
 use super::prompt::Prompt;
@@ -142,6 +143,18 @@ pub(super) fn perform<'m>(
     let samples = watcher.samples;
     drop(watcher.keys.take());
     let mut axes = watcher.axes;
+    let (ended, shown) = complete(&mut picture, &mut axes);
+    bar.finish_and_clear();
+    drop(emulators);
+    let maxima = axes.maxima();
+    Ok((Done { ending, samples, maxima, took, picture, shown, ended, deadline }, interrupt))
+}
+
+/// Completes recording and logs, all within a second; those that ended before the run, and other errors of the view.
+fn complete(
+    picture: &mut Picture<'_>,
+    axes: &mut AxisWatch<'_>,
+) -> (Vec<Finding>, Result<(), Failure>) {
     axes.close();
     let closed = Clock::start();
     let (mut ended, mut shown) = (Vec::new(), Ok(()));
@@ -153,8 +166,5 @@ pub(super) fn perform<'m>(
         Err(error) => shown = Err(error.into()),
     }
     ended.extend(axes.finish(closed));
-    bar.finish_and_clear();
-    drop(emulators);
-    let maxima = axes.maxima();
-    Ok((Done { ending, samples, maxima, took, picture, shown, ended, deadline }, interrupt))
+    (ended, shown)
 }
