@@ -179,8 +179,8 @@ pub trait Device: Any + Debug + Send + Sync {
     /// Expects another response time from now on, µs.
     fn expect_response_us(&mut self, response_us: u32);
 
-    /// What the deadline of an answer of the real device has to spare for computer and adapter, and the time after which nothing
-    /// that is late arrives any more. `said` is the first of the machine file.
+    /// What the deadline of an answer of the real device has to spare for computer and adapter, and the pause before it is asked
+    /// again. `said` is the first of the machine file.
     fn waits(&self, said: Option<Duration>) -> [Duration; 2];
 
     /// Offset of the device in the memory at its port; none of a device with a port of its own.

@@ -233,19 +233,18 @@ impl Device for InterpCncEntry {
     }
 
     fn waits(&self, said: Option<Duration>) -> [Duration; 2] {
-        let usual = InterpCncOptions::new(Vec::new());
-        let usual = [usual.deadline, usual.worst_latency];
-        said.map_or(usual, |deadline| [deadline, 2 * deadline])
+        // It is asked again at once.
+        [said.unwrap_or(InterpCncOptions::new(Vec::new()).deadline), Duration::ZERO]
     }
 
     fn open(
         &self,
         port: &str,
         axes: &[AxisDemand],
-        [deadline, worst_latency]: [Duration; 2],
+        [deadline, _]: [Duration; 2],
     ) -> Result<Box<dyn Drive>, DriveError> {
         let echo = self.echo;
-        let options = InterpCncOptions { deadline, worst_latency, echo, ..self.options(axes) };
+        let options = InterpCncOptions { deadline, echo, ..self.options(axes) };
         Ok(Box::new(InterpCncDrive::open(port, &options)?))
     }
 

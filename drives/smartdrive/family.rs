@@ -149,8 +149,7 @@ impl Device for SmartDriveEntry {
 
     fn waits(&self, said: Option<Duration>) -> [Duration; 2] {
         let usual = SmartDriveOptions::new(Vec::new());
-        let usual = [usual.deadline, usual.worst_latency];
-        said.map_or(usual, |deadline| [deadline, 2 * deadline])
+        [said.unwrap_or(usual.deadline), usual.worst_latency]
     }
 
     fn open(

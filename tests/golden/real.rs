@@ -54,8 +54,6 @@ fn a_mixture_of_all_three_families_runs_to_its_end() {
         // The program: 50 mm/s along √(10² + 5² + 5²) mm, on which U goes 8. Homing: 100 steps/s of 16 µsteps, 320 of them a mm.
         "10.000 mm 0.000 mm 100.0 mm/s 40.8 mm/s",
         "360.0 mm at most 5.0 mm/s 0.000 mm 25.0 mm/s 32.7 mm/s",
-        // A deadline of 2 s, and twice that until no late answer can come any more.
-        "note: one lost answer of a real drive stops the run; device `board` takes up to 6000 ms: X 244.95 mm (limit 100.00, line",
     ]);
     let report = shop.desk.read("run.json");
     assert_eq!(report["completed"], true);

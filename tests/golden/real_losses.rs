@@ -15,17 +15,14 @@ fn lost_answers_cost_an_exchange_and_not_the_run() {
     let shop = Shop::new();
     shop.desk.write("long.cnc", WAY);
     let done = shop.disturbed("-CONT", |_| {
-        for fault in [WireFault::Corrupt { bytes: 1 }, WireFault::Drop] {
-            let rule = FaultRule { direction: Direction::Answer, when: When::Next(1), fault };
-            shop.board.control(Control::Fault(rule)).expect("it runs");
-            let bus = shop.bus.borrow();
-            bus.as_ref().expect("it is there").control(Control::Fault(rule)).expect("it runs");
-            // The bus of a module has no check sums.
-            let rule = FaultRule { fault: WireFault::Drop, ..rule };
-            shop.module.control(Control::Fault(rule));
-        }
+        let (direction, when) = (Direction::Answer, When::Next(1));
+        let rule = FaultRule { direction, when, fault: WireFault::Drop };
+        shop.board.control(Control::Fault(rule)).expect("it runs");
+        let bus = shop.bus.borrow();
+        bus.as_ref().expect("it is there").control(Control::Fault(rule)).expect("it runs");
+        shop.module.control(Control::Fault(rule));
     });
-    done.ended(0, "").says(" lost answers asked for again");
+    done.ended(0, "").says(", 1 lost answer asked for again");
     let report = shop.desk.read("run.json");
     for device in ["board", "bus", "module"] {
         let heard = &report["drive_samples"]["devices"][device];

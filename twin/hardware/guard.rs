@@ -163,10 +163,11 @@ fn usual_silence_ms(machine: &Machine, device: (usize, &DeviceEntry)) -> u32 {
     whole_ms(2 * (loss + round)).max(USUAL_SILENCE_MS)
 }
 
-/// Time that one lost answer costs: what the deadline has to spare, and no more than a round until the answer to the repeat.
+/// Time that one lost answer costs: what the deadline has to spare, the pause after it, and no more than a round until the answer
+/// to the repeat.
 pub(crate) fn lost_answer(machine: &Machine, device: (usize, &DeviceEntry)) -> Duration {
-    let [added, _] = device.1.waits();
-    added + emulated::round(machine, device)
+    let [added, pause] = device.1.waits();
+    added + pause + emulated::round(machine, device)
 }
 
 /// Fails where the machine file lets a device be silent for less than a few of its rounds: any run would be stopped.

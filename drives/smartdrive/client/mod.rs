@@ -30,6 +30,8 @@ use twin_drives::{
     ramp::whole_ns, transport::Transport,
 };
 
+/// Multiple of the worst latency that late answers are waited for at most.
+const MOST_PAUSES: u32 = 4;
 /// Refusals, of frames that were spoilt on their way, after which a command is refused.
 const REFUSALS: u32 = 2;
 /// Reads after which no more silence is waited for.
@@ -40,7 +42,8 @@ const QUIET: Duration = Duration::from_millis(2);
 /// The master of a bus with one or more drives. All calls need a tokio runtime with I/O and time.
 ///
 /// After an exchange without a proper answer the answer may still come, and would be taken for that to the next
-/// command. Then, and whenever something comes that answers nothing, it asks what is known of
+/// command. Before the next command, unless it is a broadcast, the driver therefore waits until no answer can come any
+/// more and throws away what has come. Then, and whenever something comes that answers nothing, it asks what is known of
 /// every drive until question and answer agree: answers do not tell what they answer.
 pub struct SmartDrive {
     port: Arc<str>,
@@ -234,9 +237,15 @@ impl SmartDrive {
         }
     }
 
-    /// Throws away what answers nothing. Whether there was nothing of the kind: else drives may be out of step.
+    /// Waits for late answers, and throws away what answers nothing. Whether there was nothing of the kind: else drives
+    /// may be out of step.
     pub(super) async fn settle(&mut self, at: &Exchange) -> Result<bool, DriveError> {
         self.pause().await;
+        if self.late {
+            // After several losses answers of several questions may still come.
+            let losses = self.exchanges.losses().in_row.clamp(1, MOST_PAUSES);
+            sleep(self.options.worst_latency.saturating_mul(losses)).await;
+        }
         let clean = if self.late || self.dirty {
             let clean = self.clear(at).await?;
             (self.late, self.dirty) = (false, false);
@@ -355,6 +364,8 @@ impl SmartDrive {
             Ok(Err(source)) => Err(DriveError::Transport { at, source }),
             Ok(Ok(None)) | Err(_) => {
                 self.exchanges.lost();
+                // An answer that has come spoilt comes no more.
+                (self.late, self.dirty) = (!search.is_spoilt(), true);
                 match search.fault() {
                     Some(fault) => Err(DriveError::Protocol { at, fault }),
                     None => Err(DriveError::Timeout { at, deadline }),

@@ -118,7 +118,7 @@ impl DeviceEntry {
         self.device.response_us()
     }
 
-    /// What the client of the real device adds to the time that an exchange takes, and when nothing late arrives any more.
+    /// What the client of the real device adds to the time that an exchange takes, and the pause before it asks again.
     pub fn waits(&self) -> [Duration; 2] {
         self.device.waits(self.answer_ms.map(|time_ms| Duration::from_millis(time_ms.into())))
     }
