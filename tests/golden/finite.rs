@@ -3,6 +3,7 @@
 use crate::process::{Desk, shipped};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
+use std::fmt::Write as _;
 use std::fs::File;
 use std::ops::Range;
 use std::time::Duration;
@@ -229,7 +230,8 @@ proptest! {
                 let range = numbers[place.index(numbers.len())].clone();
                 let value = EXTREMES[value];
                 let value = if has_words(name) { value.to_string() } else { format!("{value:e}") };
-                what += &format!("{name}, byte {}: {} is {value}\n", range.start, &text[range.clone()]);
+                let (start, old) = (range.start, &text[range.clone()]);
+                writeln!(what, "{name}, byte {start}: {old} is {value}").expect("in memory");
                 text.replace_range(range, &value);
             }
         }

@@ -11,11 +11,12 @@ fn lines_of_axes_end_in_time() {
     let mut command = desk.command("axes inverse -m machine.toml");
     let mut child = command.stdin(Stdio::piped()).spawn().expect("the binary starts");
     let mut input = child.stdin.take().expect("piped");
-    let writer = std::thread::spawn(move || {
+    let writer = std::thread::Builder::new().name("writer".to_owned()).spawn(move || {
         // The command ends before all of it is written.
         input.write_all(&b"10,20,5\r\n\"11\",20,5\r# 1\n".repeat(1000)).unwrap_or_default();
         input.write_all(&b"1".repeat(1 << 20)).unwrap_or_default();
     });
+    let writer = writer.expect("a thread");
     let done = Done::from(child.wait_with_output().expect("it ends"));
     writer.join().expect("it ends");
     done.ended(2, "line 3001 has more than 65536 bytes, the most that are read");

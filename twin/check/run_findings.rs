@@ -95,7 +95,9 @@ mod tests {
             assert!(crate::finding::unfit(&found));
             finding.message.clone()
         };
-        assert!(found(0.6e-3, Some("this computer was busy")).ends_with(": this computer was busy"));
+        assert!(
+            found(0.6e-3, Some("this computer was busy")).ends_with(": this computer was busy")
+        );
         assert!(found(0.6e-3, None).ends_with(": its wire does not carry more, as predicted"));
         assert!(found(0.1e-3, None).ends_with(": its drive cannot follow the axis"));
     }
