@@ -390,7 +390,13 @@ pub(crate) fn cell(family: Family, trial: &Trial, clock: RigClock) -> Cell {
         Doing::Idle => rig.idle(trial),
         Doing::Looking => rig.looking(trial),
         Doing::ToHome | Doing::Homing => rig.homing(trial),
-        Doing::Moving => rig.moving(Some(trial), usual(family, clock)).0,
+        Doing::Moving => {
+            // A leg whose order is lost begins a look later than the outage: how far off its axis is then depends on its length.
+            let order_lost = family == Family::Bim2Ax
+                && matches!(trial.fault, Fault::Wire(_, WireFault::Drop | WireFault::Delay { .. }));
+            let usual = if order_lost { f64::INFINITY } else { usual(family, clock) };
+            rig.moving(Some(trial), usual).0
+        }
         Doing::Stopping | Doing::Halting | Doing::FarStopping | Doing::FarHalting => {
             rig.stopping(trial)
         }
