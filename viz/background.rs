@@ -232,7 +232,7 @@ impl Shared {
 mod tests {
     use super::*;
 
-    const LONG: Duration = Duration::from_secs(60);
+    const LONG: Duration = Duration::from_mins(1);
 
     /// Takes an item for each word; fails at item `fails`.
     struct Slow {
