@@ -203,7 +203,7 @@ pub trait Drive: Send {
         Losses::default()
     }
 
-    /// Time of a round on the wire, in which every axis gets a command and is seen, by the turnaround measured so far; nothing is
+    /// Time of a round on the wire, in which every axis gets a command and is seen, by the shortest turnaround so far; nothing is
     /// asked. `None` where the wire sets no limit, or nothing is measured yet.
     fn round(&self) -> Option<Duration> {
         None

@@ -136,7 +136,7 @@ impl Fault {
                 format!("{of}: {what}")
             }
             Self::Device(DeviceFault::BrownOut) => "brown-out, reset".to_owned(),
-            Self::Device(DeviceFault::Outage) => "without supply for 2 s".to_owned(),
+            Self::Device(DeviceFault::Outage) => "without supply for 5 s".to_owned(),
             Self::Device(DeviceFault::Stall) => "stall".to_owned(),
             Self::Device(DeviceFault::Alarm) => "alarm".to_owned(),
             Self::Device(DeviceFault::Gone) => "disconnect, reconnect".to_owned(),

@@ -41,7 +41,7 @@ pub(crate) const DEADLINE: Duration = Duration::from_millis(400);
 const DELAY: Duration = Duration::from_millis(500);
 pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
 /// Duration of a supply outage: longer than the drivers wait for one answer, repeats and late ones included.
-pub(crate) const OUTAGE: Duration = Duration::from_secs(2);
+pub(crate) const OUTAGE: Duration = Duration::from_secs(5);
 /// Longest time that homing may take, ns of the device.
 const HOMING_NS: i64 = 20_000_000_000;
 /// How far a plan is known ahead: shorter than drivers wait for an answer.

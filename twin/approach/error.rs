@@ -1,4 +1,4 @@
-//! Errors of approaches: what stands against every way that was tried.
+//! Errors of approaches: the obstacle, limit or reach that rules out every path that was tried.
 
 use super::place;
 use super::step::Leg;

@@ -113,7 +113,7 @@ impl Approach {
         self.steps.iter().map(Step::duration).sum()
     }
 
-    /// Least clearance on the way; `None` if the machine file has nothing that could be in it.
+    /// Least clearance on the way; `None` if the machine file has no obstacles.
     pub fn nearest(&self) -> Option<&Clearance> {
         self.nearest.as_ref()
     }
@@ -265,7 +265,7 @@ impl<'m> Planner<'m> {
         Ok(nearest.map_err(|error| SimulationError::of(self.machine, error))?)
     }
 
-    /// Nothing may be in anything before it moves.
+    /// Fails if parts overlap before anything moves.
     fn check_start(&mut self, from: &AxisVector) -> Result<(), ApproachError> {
         let Some(nearest) = self.nearest(from)?.filter(|one| one.distance < -TOUCHING) else {
             return Ok(());

@@ -26,7 +26,7 @@ pub enum Leg {
     Across,
     /// Along the tool axis, to the start.
     Down,
-    /// Whatever moves, straight there.
+    /// All axes that move, straight to the start.
     Straight,
     /// To the zero of an axis.
     Home,

@@ -83,7 +83,7 @@ fn the_file_gives_height_and_order() {
 
 /// A tip in an obstacle, or in the stock, which a program may cut; a start in an obstacle.
 #[test]
-fn what_is_in_the_way_is_named() {
+fn obstacles_at_both_ends_are_named() {
     let machine = vice("");
     // The holder is 40 mm wide, 35 mm above the tip.
     for (from, part) in [([250.0, 170.0, -15.0], "moving jaw"), ([250.0, 130.0, -5.0], "stock")] {

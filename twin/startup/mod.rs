@@ -21,7 +21,7 @@ use std::fmt;
 use twin_drives::{DriveError, IncrementMotion, Increments, MAX_DRIVE_AXES, SetpointStream};
 use twin_kinematics::AxisVector;
 use twin_machine::{Axis, Machine};
-pub use way::{homing_way, said, way};
+pub use way::{describe_way, homing_way, plan_way};
 
 /// Verdict of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

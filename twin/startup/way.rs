@@ -15,7 +15,7 @@ const BY_HAND: f64 = 0.05;
 ///
 /// # Errors
 /// A failed check, with what can be done: commands for `real` drives, keys of the machine file.
-pub fn way(
+pub fn plan_way(
     machine: &Machine,
     [from, start]: [&AxisVector; 2],
     factor: f64,
@@ -48,7 +48,7 @@ pub fn way(
 }
 
 /// The way in words: duration, least clearance, and a line for each of its steps.
-pub fn said(machine: &Machine, way: &Approach) -> Check {
+pub fn describe_way(machine: &Machine, way: &Approach) -> Check {
     let duration = fixed(way.duration(), 1);
     let message = format!("way to the start: {duration} s, {}", clearance(machine, way));
     Check { verdict: Verdict::Passed, message, help: way.described(machine).collect() }
@@ -79,7 +79,7 @@ pub fn homing_way(machine: &Machine, axes: &mut AxisVector, to_home: &[usize]) -
     }
     if from.iter().all(|position| *position == 0.0) {
         let message = format!(
-            "homing {names}: where the axes are is not known before; look whether their ways are free"
+            "homing {names}: the positions of the axes are not known before; check that their paths are free"
         );
         return Check { verdict: Verdict::Note, message, help: Vec::new() };
     }

@@ -357,7 +357,7 @@ impl Drive for InterpCncDrive {
 
     fn round(&self) -> Option<Duration> {
         let options = self.board.options();
-        let turnaround = self.board.exchanges().usual_turnaround()?;
+        let turnaround = self.board.exchanges().shortest_turnaround()?;
         let exchange = |bytes| options.line.duration(bytes) + 2 * options.silence() + turnaround;
         let sample = exchange(8 + 5 + 2 * usize::from(STATE_REGISTERS));
         let axes = options.axes.len();

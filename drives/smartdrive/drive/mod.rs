@@ -336,7 +336,7 @@ impl Drive for SmartDriveBus {
 
     fn round(&self) -> Option<Duration> {
         // GOTO v,a and its answer for each axis, 11 + 9 bytes.
-        let exchange = wire_time(11 + 9) + self.bus.exchanges().usual_turnaround()?;
+        let exchange = wire_time(11 + 9) + self.bus.exchanges().shortest_turnaround()?;
         Some(exchange * u32::try_from(self.axis_count()).unwrap_or(1))
     }
 

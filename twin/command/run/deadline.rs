@@ -19,7 +19,7 @@ impl Deadline {
         let end = move || {
             let runs_out = |_| dropped.recv_timeout(SLICE) == Err(RecvTimeoutError::Timeout);
             if (0..SLICES).all(runs_out) {
-                // Who could be told does not read.
+                // Nobody reads a message either.
                 std::process::exit(Status::Failed as i32);
             }
         };

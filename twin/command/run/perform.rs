@@ -38,8 +38,8 @@ pub(super) struct Done<'m> {
     pub(super) shown: Result<(), Failure>,
     /// Recordings and logs that ended before the run.
     pub(super) ended: Vec<Finding>,
-    /// Of what follows.
-    pub(super) deadline: Deadline,
+    /// Of what follows, once all drives are at rest.
+    pub(super) deadline: Option<Deadline>,
 }
 
 /// Opens view and drives, runs the program, and brings everything to rest. Also Ctrl-C, which is caught from the
@@ -139,7 +139,8 @@ pub(super) fn perform<'m>(
         .run(&mut watcher, &|| interrupt.count())
         .map_err(|failure| Failure::check(program, failure.into()))?;
     let took = seconds(clock.now_ns());
-    let deadline = Deadline::set()?;
+    // Drives that have not confirmed their stop are still being asked, and that must not end.
+    let deadline = ending.stopping.is_none().then(Deadline::set).transpose()?;
     let samples = watcher.samples;
     drop(watcher.keys.take());
     let mut axes = watcher.axes;

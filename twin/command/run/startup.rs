@@ -203,8 +203,8 @@ fn check_ways(
     if !to_home.is_empty() {
         ways.push(startup::homing_way(machine, &mut from, to_home));
     }
-    match startup::way(machine, [&from, start], APPROACH, true) {
-        Ok(way) => ways.push(startup::said(machine, &way)),
+    match startup::plan_way(machine, [&from, start], APPROACH, true) {
+        Ok(way) => ways.push(startup::describe_way(machine, &way)),
         Err(check) => ways.push(check),
     }
     for check in ways.iter().filter(|check| check.has_failed()) {
@@ -308,7 +308,7 @@ fn go_to_start(
     interrupt: &Interrupt,
 ) -> Result<Hardware, Failure> {
     let from = startup::positions(machine, &mut drives)?;
-    let way = match startup::way(machine, [&from, start], APPROACH, whose == Guarded::Real) {
+    let way = match startup::plan_way(machine, [&from, start], APPROACH, whose == Guarded::Real) {
         Ok(way) => way,
         Err(check) => {
             stderr!("  {check}");
@@ -323,7 +323,7 @@ fn go_to_start(
         wait_until_ready(hardware.guarded(machine, whose), interrupt)
     };
     if !way.is_empty() {
-        stderr!("{}", startup::said(machine, &way).message);
+        stderr!("{}", startup::describe_way(machine, &way).message);
         let mut hardware = ready(drives, way.from())?;
         let bar = ProgressBar::new_spinner();
         bar.set_message("the drives move to the start of the program");
