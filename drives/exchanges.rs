@@ -13,6 +13,8 @@ use tokio::time::Instant;
 pub const ATTEMPTS: u32 = 10;
 /// The same of a device that has not answered yet, or where answers take very long.
 const LEAST_ATTEMPTS: u32 = 3;
+/// The same where the request before was given up: others wait for this one.
+const LAST_ATTEMPTS: u32 = 2;
 /// An exchange is not repeated for longer than this: axes wait to be stopped.
 pub const LONGEST_REPEATING: Duration = Duration::from_secs(1);
 /// Answers from which on the turnaround counts as measured.
@@ -128,7 +130,13 @@ impl Exchanges {
     /// Whether the request may be sent once more.
     pub fn may_repeat(&self, repeats: &Repeats) -> bool {
         let lost = self.losses.in_row.saturating_sub(repeats.losses_before);
-        if self.answers < MEASURED { lost < LEAST_ATTEMPTS } else { repeats.allow(lost) }
+        if repeats.losses_before >= LEAST_ATTEMPTS {
+            lost < LAST_ATTEMPTS
+        } else if self.answers < MEASURED {
+            lost < LEAST_ATTEMPTS
+        } else {
+            repeats.allow(lost)
+        }
     }
 }
 
@@ -184,10 +192,10 @@ mod tests {
         exchanges.done();
         (0..4).for_each(|_| exchanges.answered(MS, MS));
         assert_eq!(attempts(&mut exchanges), 10);
-        // The next request has attempts of its own.
-        assert_eq!(attempts(&mut exchanges), 20);
+        // The next request has two more.
+        assert_eq!(attempts(&mut exchanges), 12);
         exchanges.done();
-        assert_eq!(exchanges.losses(), Losses { total: 23, in_row: 0 });
+        assert_eq!(exchanges.losses(), Losses { total: 15, in_row: 0 });
         // Three that take as long as all may are the end.
         let repeats = exchanges.begin();
         for more in [true, true, false] {

@@ -19,7 +19,7 @@ use crate::{
 /// For so long a plan is followed before it is stopped, ns of the device: a second of the computer's.
 const FOLLOWED_NS: i64 = 5_000_000_000;
 /// Far enough that it is not half reached while something is stopped, increments.
-const FAR: i64 = 200_000;
+const FAR: i64 = 300_000;
 /// Distance that an axis may go back when its shaft is held or its current switched off, increments.
 const BACK: f64 = 16.0;
 /// Looks, [`PAUSE`] apart, during which an axis that was stopped has to stay: frames come late by less.
