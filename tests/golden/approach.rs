@@ -2,6 +2,7 @@
 
 use crate::process::{Desk, Done};
 use crate::shop::a_board;
+use std::time::Duration;
 use twin_interpcnc::BoardAxis;
 
 /// Steps per mm of X and Y, and of Z; the tool is 60 mm long.
@@ -52,6 +53,7 @@ fn the_tool_goes_over_the_jaws() {
             highest = highest.max(z);
             // Jaws from Y80 to Y100 and from Y160 to Y180, stock between them up to Z0, a tool of 6 mm.
             assert!(!(77.0..183.0).contains(&y) || z >= 0.0, "Y {y} Z {z}");
+            std::thread::sleep(Duration::from_millis(1));
         }
         (running.join().expect("it ends"), highest)
     });
