@@ -244,7 +244,8 @@ fn masters_at_another_speed_are_not_understood() {
     emulated(&desk, start, || {
         for _ in 0..2 {
             let silent = status("9600");
-            silent.ended(2, "no answer within 3");
+            // 300 ms, 77 bytes for 32 registers of 10 bits at 9600 baud, and a silence of 3.5 characters of 11 bits.
+            silent.ended(2, "no answer within 384 ms");
             silent.ended(2, "are baud rate and parity those of the device?");
             status("19200").ended(0, "");
         }

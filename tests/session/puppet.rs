@@ -1,7 +1,7 @@
 //! Fake drives and machines for rare behaviour of real ones.
 
 use crate::simulated::CIRCLES;
-use crate::{Program, Recorder, portal};
+use crate::{GANTRY3, Program, Recorder, machine, portal};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
@@ -397,13 +397,15 @@ fn drives_do_not_leap_after_a_process_that_was_frozen() {
     });
     let puppet = Puppet { frozen_at_ns: Some((200_000_000, 600)), ..Puppet::default() };
     let found = Arc::clone(&puppet.found);
-    let (ending, soft_stops) = run(puppet, CIRCLES, &mut recorder, &|| 0);
-    // Nobody has listened to the drive for longer than it may keep silent.
-    let starved = match failed(&ending) {
-        HardwareError::Silent { then, .. } => then.as_deref(),
-        other => Some(other),
-    };
-    assert!(matches!(starved, Some(HardwareError::Starved { .. })), "{:?}", ending.stopped);
+    // The silence of a drive that nobody listens to is not what is looked for.
+    let patient = GANTRY3.replace("start_mm = [0.0, 0.0, 20.0]", "start_mm = [0.0, 0.0, -40.0]");
+    let kind = "kind = \"interpcnc\"";
+    let patient = patient.replace(kind, &format!("{kind}\nlongest_silence_ms = 2000"));
+    let stops = Arc::clone(&puppet.soft_stops);
+    let program = Program::new(CIRCLES);
+    let ending = run_puppet(&machine(&patient), puppet, &program, &mut recorder, &|| 0);
+    let soft_stops = stops.load(Ordering::SeqCst);
+    assert!(matches!(failed(&ending), HardwareError::Starved { .. }), "{:?}", ending.stopped);
     assert_eq!((soft_stops, recorder.last().path_velocity), (1, 0.0));
     // At 100 mm/s (500 mm/s²) along the circle of 30 mm: 35 mm at 0.45 s, where its plan ended, and 70 mm at 0.8 s.
     let [x, y, ..] = found.lock().unwrap().map(|increments| increments as f64 / 320.0);

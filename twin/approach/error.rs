@@ -65,7 +65,7 @@ pub enum ApproachError {
         source: KinematicsError,
     },
     /// The position of the tool does not follow from that of the axes.
-    #[error("where the axes are now the position of the tool is not known: {0}")]
+    #[error("the position of the tool cannot be computed from that of the axes: {0}")]
     Tool(KinematicsError),
     /// The clearance cannot be measured.
     #[error(transparent)]

@@ -53,6 +53,8 @@ pub struct Approach {
     steps: Vec<Step>,
     /// Least clearance on the way, if the machine file has obstacles.
     nearest: Option<Clearance>,
+    /// Least clearance on the way across, m; infinite if there is none.
+    across: f64,
 }
 
 impl Approach {
@@ -248,9 +250,8 @@ impl<'m> Planner<'m> {
         self.machine.kinematics.forward(axes).map_err(ApproachError::Tool)
     }
 
-    fn tip_mm(&self, axes: &AxisVector) -> [f64; 3] {
-        let tip = self.machine.kinematics.forward(axes);
-        tip.map_or([f64::NAN; 3], |tip| (tip.position.coords * 1e3).into())
+    fn tip_mm(&self, axes: &AxisVector) -> Result<[f64; 3], ApproachError> {
+        Ok((self.tip(axes)?.position.coords * 1e3).into())
     }
 
     /// Names of the two parts, that which moves first, and depth in mm.
@@ -271,11 +272,11 @@ impl<'m> Planner<'m> {
             return Ok(());
         };
         let (part, other, depth_mm) = self.hit(&nearest);
-        Err(ApproachError::Inside { part, other, depth_mm, tip_mm: self.tip_mm(from) })
+        Err(ApproachError::Inside { part, other, depth_mm, tip_mm: self.tip_mm(from)? })
     }
 
-    /// The tool up, across and down, at the lowest height that keeps the clearance that the machine file wants, or else at the
-    /// lowest that is clear.
+    /// The tool up, across and down, at the lowest height at which the way across keeps the clearance that the machine file
+    /// wants, or else at the lowest that is clear.
     fn retract_first(
         &mut self,
         lift: &Lift,
@@ -287,39 +288,25 @@ impl<'m> Planner<'m> {
         let safe = self.machine.conditions.approach.safe_z;
         let lowest = safe.map_or(highest, |safe| highest.max(safe));
         let wanted = self.machine.collision.as_ref().map_or(0.0, |collision| collision.clearance);
-        let (mut clear, mut refused) = (None, None);
-        for number in 0..MOST_HEIGHTS {
-            // Heights above the lowest are whole centimetres.
-            let height = match number {
-                0 => lowest,
-                number => ((lowest / HEIGHTS).floor() + f64::from(number)) * HEIGHTS,
-            };
-            let lines = self.lines_at(height, lift, [from, to], ends);
-            match lines.and_then(|lines| self.check(lines, *from)) {
-                Ok(approach) => {
-                    let is_wide = approach.nearest.is_none_or(|one| one.distance >= wanted);
-                    if is_wide || safe.is_some() {
-                        return Ok(approach);
-                    }
-                    clear.get_or_insert(approach);
-                }
-                Err(error) => {
-                    let ends_search = error.ends_search();
-                    refused.get_or_insert(error);
-                    if ends_search {
-                        break;
-                    }
-                }
-            }
-            if safe.is_some() {
-                break;
+        let mut at = |height: f64| {
+            let lines = self.lines_at(height, lift, [from, to], ends)?;
+            self.check(lines, *from)
+        };
+        let is_wide = |approach: &Approach| approach.across >= wanted;
+        let mut found = at(lowest);
+        if safe.is_some() || found.as_ref().is_ok_and(is_wide) {
+            return found;
+        }
+        for number in 1..MOST_HEIGHTS {
+            // Whole centimetres.
+            match at(((lowest / HEIGHTS).floor() + f64::from(number)) * HEIGHTS) {
+                Ok(approach) if is_wide(&approach) => return Ok(approach),
+                Ok(approach) if found.is_err() => found = Ok(approach),
+                Err(error) if error.ends_search() => break,
+                Ok(_) | Err(_) => {}
             }
         }
-        match (clear, refused) {
-            (Some(approach), _) => Ok(approach),
-            (None, Some(error)) => Err(error),
-            (None, None) => self.check(Vec::new(), *from),
-        }
+        found
     }
 
     /// Up to `height`, across and down.
@@ -366,17 +353,22 @@ impl<'m> Planner<'m> {
 
     /// The motion along `lines`, checked cycle by cycle.
     fn check(&mut self, lines: Vec<Line>, from: AxisVector) -> Result<Approach, ApproachError> {
-        let mut approach = Approach { from, steps: Vec::new(), nearest: self.nearest(&from)? };
+        let (nearest, across) = (self.nearest(&from)?, f64::INFINITY);
+        let mut approach = Approach { from, steps: Vec::new(), nearest, across };
         for line in lines.into_iter().filter(|line| !line.is_empty()) {
             let step = Step::new(self.machine, line, self.factor)?;
             for axes in motions(self.machine, &step) {
                 let position = axes?.position;
                 self.check_limits(&step, &from, &position)?;
                 let Some(now) = self.nearest(&position)? else { continue };
+                let leg = step.line.leg;
                 if now.distance < -TOUCHING {
                     let (part, other, depth_mm) = self.hit(&now);
-                    let (leg, tip_mm) = (step.line.leg, self.tip_mm(&position));
+                    let tip_mm = self.tip_mm(&position)?;
                     return Err(ApproachError::Collision { leg, part, other, depth_mm, tip_mm });
+                }
+                if leg == Leg::Across {
+                    approach.across = approach.across.min(now.distance);
                 }
                 if approach.nearest.is_none_or(|nearest| now.distance < nearest.distance) {
                     approach.nearest = Some(now);

@@ -14,7 +14,7 @@ const SAMPLES: u32 = 200;
 /// Part of the limits that each of two effects may take where axes bend: acceleration along the line, and bend.
 const SHARE: f64 = 0.5;
 
-/// Less than this is no motion, m or rad.
+/// Motion up to this counts as rest, m or rad.
 const REST: f64 = 1e-9;
 
 /// Part of the way.

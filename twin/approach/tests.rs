@@ -1,4 +1,4 @@
-//! Tests of approaches on the vice of `machines/gantry3_vice.toml` and on machines whose tool axis is no axis of the machine.
+//! Tests of approaches: the vice of `machines/gantry3_vice.toml`, and machines without a lifting axis.
 
 use super::{Approach, ApproachError, Leg};
 use std::path::Path;
@@ -52,6 +52,10 @@ fn the_tool_goes_up_across_and_down() {
     let heights: Vec<_> = steps(&machine, &deep).into_iter().map(|[axes, _]| axes).collect();
     assert_eq!(heights, ["Z to 70.000 mm", "Y to 60.000 mm", "Z to 20.000 mm"]);
     assert!(deep.nearest().is_some_and(|nearest| nearest.distance >= 2e-3), "{deep:?}");
+    // That the tip begins on the table says nothing of the way across.
+    let low = planned(&machine, [250.0, 230.0, -60.0], [250.0, 60.0, -40.0]).unwrap();
+    let heights: Vec<_> = steps(&machine, &low).into_iter().map(|[axes, _]| axes).collect();
+    assert_eq!(heights, ["Z to 70.000 mm", "Y to 60.000 mm", "Z to 20.000 mm"]);
     let together = vice("approach = \"together\"");
     let error = planned(&together, [250.0, 230.0, -30.0], [250.0, 60.0, -40.0]).unwrap_err();
     let ApproachError::Collision { leg: Leg::Straight, other, .. } = &error else {

@@ -50,7 +50,7 @@ impl InterpCnc {
         understood: impl Fn(&mut Self, &Response) -> Result<T, DriveError>,
     ) -> Result<(T, Stamp), DriveError> {
         let repeats = self.exchanges.begin();
-        // The first loss is the cause: later ones may only be those of a wire that is no longer there.
+        // The first loss is the cause: later ones may only show that the wire is gone.
         let mut cause = None;
         loop {
             let settled = match sending {

@@ -106,7 +106,7 @@ fn state(status: u32, x: i32) -> Vec<u8> {
     read(&[1, 4, 4, 0, 0, 12], status, x)
 }
 
-/// The answer to a question for so many registers from the status on.
+/// Answer to a read of this number of registers from the status on.
 fn read(asked: &[u8], status: u32, x: i32) -> Vec<u8> {
     assert_eq!(asked[..5], [1, 4, 4, 0, 0]);
     let mut answer = vec![1, 4, 2 * asked[5]];

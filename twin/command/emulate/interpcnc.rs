@@ -204,7 +204,7 @@ enum Word {
         #[arg(value_enum)]
         state: Switch,
     },
-    /// The next moves, so many, are confirmed and not carried out
+    /// The next N moves are confirmed and not carried out
     IgnoreMoves { moves: u32 },
     /// Writes to the EEPROM fail
     BreakEeprom {

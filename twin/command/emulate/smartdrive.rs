@@ -221,7 +221,7 @@ enum Word {
         #[arg(value_enum)]
         state: Switch,
     },
-    /// The next moves, so many, are confirmed and not carried out
+    /// The next N moves are confirmed and not carried out
     IgnoreMoves { address: u8, moves: u32 },
     /// The supply fails, for so many ms
     BrownOut {
