@@ -23,8 +23,6 @@ const AFTERWARDS: i64 = 321;
 const STROKE_U: f64 = 192.0;
 const STROKE: f64 = 16_000.0;
 const DURATION_S: f64 = 16.0;
-/// Time by which the order after a lost one may be later than the outage, s of the device: a look at the module.
-const LOOK_S: f64 = 0.02;
 /// Its highest speed, increments/s.
 const PEAK: f64 = 0.5 * STROKE * PI / DURATION_S;
 /// Looks after which an axis no longer comes to rest.
@@ -392,14 +390,7 @@ pub(crate) fn cell(family: Family, trial: &Trial, clock: RigClock) -> Cell {
         Doing::Idle => rig.idle(trial),
         Doing::Looking => rig.looking(trial),
         Doing::ToHome | Doing::Homing => rig.homing(trial),
-        Doing::Moving => {
-            // A leg whose order is lost begins a look later than the outage.
-            let order_lost = family == Family::Bim2Ax
-                && matches!(trial.fault, Fault::Wire(_, WireFault::Drop | WireFault::Delay { .. }));
-            let look = if order_lost { 0.5 * PEAK * LOOK_S } else { 0.0 };
-            let usual = usual(family, clock) + look;
-            rig.moving(Some(trial), usual).0
-        }
+        Doing::Moving => rig.moving(Some(trial), usual(family, clock)).0,
         Doing::Stopping | Doing::Halting | Doing::FarStopping | Doing::FarHalting => {
             rig.stopping(trial)
         }

@@ -5,8 +5,10 @@
 //! speed. For a while after an outage the axis catches up; the cost of another outage during that time is added. Then
 //! the tracking error must be as small as before.
 
-/// Time that an axis may take to catch up after an outage, ns of the device.
+/// Time that an axis may take to catch up after an outage, ns of the device, and a fourth of the outage, as it moves at least
+/// five times as fast as the plan.
 const CATCHING_UP_NS: i64 = 2_000_000_000;
+const CATCHING_UP_PART: i64 = 4;
 
 /// Pauses between looks that are so many times as long as the middle one of all are outages.
 const OUTAGE: i64 = 3;
@@ -63,8 +65,9 @@ impl Track {
         let middle_ns = gaps.get(gaps.len() / 2).copied().unwrap_or(0);
         (0..self.0.len()).map(move |place| {
             let now_ns = self.0[place].time_ns;
-            let of_late = self.0[..=place].iter().rev();
-            let of_late = of_late.take_while(|look| now_ns - look.time_ns < CATCHING_UP_NS);
+            let of_late = self.0[..=place].iter().filter(|look| {
+                now_ns - look.time_ns < CATCHING_UP_NS + look.gap_ns / CATCHING_UP_PART
+            });
             let (mut longest_ns, mut sum_ns) = (0, 0);
             for look in of_late {
                 longest_ns = longest_ns.max(look.gap_ns);
