@@ -15,6 +15,10 @@ pub(crate) const RELEASE: &str =
 pub(crate) const CHECK_SUM: &str = "`restore FILE` gives it the parameters of a backup; without one `set` each of both axes; then `reset`, and \
                                     `get` to see what it has; until then nothing moves";
 
+/// Hint after a failure of the drives while this computer did not speak to them.
+pub(crate) const STANDSTILL: &str = "nobody spoke to the drives meanwhile: look first for what stopped this process (Ctrl-Z, a debugger), \
+                                     let the computer not sleep during a run, and keep heavy work off it";
+
 /// Hint where no device answers.
 pub(crate) const NOBODY: &str = "is the device powered, are A and B of the line swapped, are baud rate and parity those of \
                                  the device?";

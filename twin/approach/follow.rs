@@ -54,12 +54,13 @@ fn at_rest_there(
         while let Some(setpoint) = planned.next_if(|next| next.time_ns <= until_ns) {
             hardware.command(&setpoint)?;
         }
-        if planned.peek().is_none() {
+        let is_complete = planned.peek().is_none();
+        if is_complete {
             hardware.finish(false);
         }
-        Ok::<_, HardwareError>(())
+        Ok::<_, HardwareError>(is_complete)
     };
-    plan(hardware, HORIZON_NS)?;
+    let mut is_complete = plan(hardware, HORIZON_NS)?;
     let clock = Clock::in_future(LEAD);
     hardware.follow(clock);
     loop {
@@ -67,7 +68,11 @@ fn at_rest_there(
             return Err(FollowError::Interrupted);
         }
         let now_ns = clock.now_ns();
-        plan(hardware, now_ns + HORIZON_NS)?;
+        // Overdue set-points would be a jump.
+        if !is_complete && let Some(late) = hardware.starved(now_ns) {
+            return Err(late.into());
+        }
+        is_complete = plan(hardware, now_ns + HORIZON_NS)?;
         // First whether they run, then what they have said: what they say last is said before they end.
         let running = hardware.is_running();
         while hardware.feedback()?.is_some() {}

@@ -1,6 +1,6 @@
 //! Errors of the drives during a run.
 
-use crate::troubleshooting::advice_in_run;
+use crate::troubleshooting::{STANDSTILL, advice_in_run};
 use twin_drives::DriveError;
 use twin_machine::{Axis, DriveFamily, Machine};
 
@@ -210,6 +210,7 @@ impl HardwareError {
         match self {
             Self::WithoutUnit(error) => advice_in_run(error),
             Self::Drive { source, .. } => advice_in_run(source),
+            Self::Starved { .. } => Some(STANDSTILL),
             Self::Silent { .. } => Some(
                 "look at its cable and its supply. When it answers again, `status` shows whether it has been off or locked: then its \
                  axes have to be homed (--home); if it has not, its positions still hold, and the program can be run again. A slow \

@@ -23,6 +23,7 @@ use crate::command::atomic_file;
 use crate::finding;
 use crate::program::{Dialect, ProgramFile};
 use crate::session::{Ending, OverrideAt, Stopped, whereabouts};
+use crate::troubleshooting::STANDSTILL;
 use axis_watch::AxisWatchOptions;
 pub(super) use interrupt::Interrupt;
 use perform::{Done, perform};
@@ -38,10 +39,6 @@ use twin_number::counted;
 
 /// Part of each axis's largest velocity with which the drives approach the start of the program.
 const APPROACH: f64 = 0.25;
-
-/// Hint after a failure of the drives while nobody spoke to them.
-const STANDSTILL: &str = "nobody spoke to the drives meanwhile: look first for what stopped this process (Ctrl-Z, a debugger), \
-                          let the computer not sleep during a run, and keep heavy work off it";
 
 /// Run a program on the simulated machine and, from the same set-points, on drives; show how far apart they are
 ///
