@@ -1,10 +1,10 @@
 //! Fault matrix: every fault of every drive family in every state, over its real transport, with its outcome as a
 //! table.
 //!
-//! `cargo test -p twin-drives-tests --test fault_matrix -- --nocapture` prints it. `expected.rs` has the expectation of each
+//! `cargo test -p twin --test fault_matrix -- --nocapture` prints it. `expected.rs` has the expectation of each
 //! cell, written before any run; the test reads the true state from the emulated device, not from the driver.
 
-#![expect(clippy::expect_used, reason = "a test that cannot be set up has failed")]
+#![expect(clippy::expect_used, clippy::panic, reason = "a test that cannot be set up has failed")]
 #![expect(clippy::indexing_slicing, reason = "one axis, and one device")]
 #![expect(clippy::cast_possible_truncation, reason = "small whole numbers")]
 #![expect(clippy::match_same_arms, reason = "tables: each line has its own reason")]
@@ -13,10 +13,19 @@ mod assumed;
 mod expected;
 mod faults;
 mod kill;
+mod outside;
 mod rig;
 mod scenario;
 mod stopping;
 mod track;
+
+// Fixtures that golden tests share.
+#[allow(dead_code, reason = "the golden tests use all of it")]
+#[path = "../golden/desk.rs"]
+mod desk;
+#[allow(dead_code, reason = "the golden tests use all of it")]
+#[path = "../golden/shop.rs"]
+mod shop;
 
 use std::{
     sync::{
@@ -148,7 +157,7 @@ fn make(row: Row, doing: Doing, speed: u32) -> Made {
 
 #[test]
 fn every_fault_comes_to_what_it_should() {
-    // Some of them, for those who look into one: FAULT_MATRIX="InterpCnc/answer: drop/Idle".
+    // Some of them, for those who look into one: FAULT_MATRIX="InterpCnc/answer: drop/Idle" or FAULT_MATRIX=outside.
     let wanted = std::env::var("FAULT_MATRIX").unwrap_or_default();
     let rows = Row::all();
     let cells = rows.iter().flat_map(|row| Doing::ALL.map(|doing| (*row, doing)));
@@ -238,6 +247,7 @@ fn every_fault_comes_to_what_it_should() {
         println!("made again: {why}");
     }
     println!("{count} cells, {} not as expected, {} made again", wrong.len(), again.len());
+    wrong.extend(outside::outside_faults(&wanted));
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
     assert!(100 * again.len() <= MOST_REPEATS * count, "too many were made again");
     assert!(behind <= 1 + count / MOST_BEHIND, "too many were behind their plans");

@@ -1,6 +1,6 @@
 //! The way to the start of a program on a real board, which is emulated in this process: its counters prove where the tool went.
 
-use crate::process::{Desk, Done};
+use crate::desk::{Desk, Done};
 use crate::shop::a_board;
 use std::time::Duration;
 use twin_interpcnc::BoardAxis;

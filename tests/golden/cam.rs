@@ -1,6 +1,6 @@
 //! `twin cam` as a process, against closed forms.
 
-use crate::process::Desk;
+use crate::desk::Desk;
 use serde_json::Value;
 
 /// 0 to 100 mm over 180° from rest to rest, and back.

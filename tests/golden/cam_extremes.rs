@@ -1,6 +1,6 @@
 //! Cams with very large and very small numbers, and very many points.
 
-use crate::process::Desk;
+use crate::desk::Desk;
 use std::fmt::Write;
 
 const LIFT: &str = "name = \"lift\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\nslave = { min = 0, max = 100, unit = \"mm\", period = 100 }\n\

@@ -1,6 +1,6 @@
 //! Cam file formats as a process: accepted and refused forms, and the tolerance of tables.
 
-use crate::process::{Desk, Done};
+use crate::desk::{Desk, Done};
 
 /// 0 to 100 mm over half a turn from rest to rest, and back.
 const LIFT: &str = "name = \"lift\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\nslave = { min = 0, max = 100, unit = \"mm\", period = 100 }\n\

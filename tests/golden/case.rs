@@ -1,6 +1,6 @@
 //! A run of the binary with what it must print: the entries of `case.toml` and of `cases.toml`.
 
-use crate::{canonical, compare, process, root, word};
+use crate::{canonical, compare, desk, root, word};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs;
@@ -266,7 +266,7 @@ pub(crate) fn run(
     arguments: &[String],
     stdin: Option<&str>,
 ) -> Result<Printed, String> {
-    let mut child = Command::new(process::BINARY)
+    let mut child = Command::new(desk::BINARY)
         .args(arguments.iter().map(|argument| word(argument)))
         .current_dir(folder)
         .stdin(Stdio::piped())

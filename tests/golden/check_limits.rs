@@ -1,6 +1,6 @@
 //! `twin check` as a process within the limits of the axes, its default, and by F and E alone.
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 use serde_json::Value;
 
 /// Z does 200 mm/s; N30 asks for twice of that.

@@ -1,6 +1,6 @@
 //! Collisions with obstacles, reported by the binary as a process.
 
-use crate::process::{Desk, number, shipped};
+use crate::desk::{Desk, number, shipped};
 use serde_json::Value;
 
 /// Down next to the fixed jaw, up, and across it: 6 mm above it, since its top is at Z−10.

@@ -1,7 +1,7 @@
 //! `twin drive` against emulators in this process, whose own state proves each action.
 
-use crate::process::{Desk, Done, comes};
-use twin::clock::Clock;
+use crate::desk::{Desk, Done};
+use crate::shop::{QUICK_BOOT_NS, clock, started};
 use twin_bim2ax::emulator as module;
 use twin_bim2ax::protocol::parameter::{AxisParameter, Parameter};
 use twin_bim2ax::{Contact, ModuleAxis};
@@ -9,11 +9,6 @@ use twin_interpcnc::BoardAxis;
 use twin_interpcnc::emulator as board;
 use twin_smartdrive::Mode;
 use twin_smartdrive::emulator as bus;
-
-pub(crate) fn clock() -> impl Fn() -> i64 + Send + Sync {
-    let clock = Clock::start();
-    move || clock.now_ns()
-}
 
 /// `twin drive FAMILY --port PATH OPTIONS ACTION`.
 pub(crate) struct Hand {
@@ -306,16 +301,6 @@ pub(crate) fn a_module() -> (module::EmulatedModule, Hand) {
         bench.plus = Some(Contact::above(8000, true));
     }
     (started(&options), hand)
-}
-
-/// A module restarts faster than a real one, and slowly enough to be seen to.
-pub(crate) const QUICK_BOOT_NS: i64 = 200_000_000;
-
-/// A module whose software runs.
-pub(crate) fn started(options: &module::EmulatorOptions) -> module::EmulatedModule {
-    let running = module::EmulatedModule::start(options, clock()).expect("it starts");
-    comes(|| running.module().watchdog());
-    running
 }
 
 #[test]

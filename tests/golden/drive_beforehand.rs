@@ -1,8 +1,8 @@
 //! Checks of `twin drive` before any motion: coupled axes, restarted devices, parameters that are written at rest only.
 
+use crate::desk::{Done, comes};
 use crate::drive::{Hand, a_board, a_bus, a_module, row};
 use crate::drive_stop::under_way_on;
-use crate::process::{Done, comes};
 use std::process::{Child, Stdio};
 use twin_interpcnc::BoardAxis;
 use twin_interpcnc::emulator as board;

@@ -1,8 +1,9 @@
 //! Repair of a BIM2AX with a wrong EEPROM check sum, which accepts only parameters (manual 8.1): the report of
 //! `twin drive`, and the restore from a backup.
 
-use crate::drive::{QUICK_BOOT_NS, a_module, clock, row};
-use crate::process::Desk;
+use crate::desk::Desk;
+use crate::drive::{a_module, row};
+use crate::shop::{QUICK_BOOT_NS, clock};
 use std::fs;
 use twin_bim2ax::ModuleAxis;
 use twin_bim2ax::emulator::{Eeprom, EmulatorOptions, Event};

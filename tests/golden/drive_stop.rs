@@ -1,7 +1,7 @@
 //! `twin drive … stop`: the stop is sent first, whatever else is wrong.
 
+use crate::desk::{BINARY, Desk, comes, started};
 use crate::drive::{Hand, a_board, a_bus, a_module};
-use crate::process::{BINARY, Desk, comes, started};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::time::Duration;

@@ -1,7 +1,8 @@
 //! Messages of `twin drive` and `twin emulate` about mistaken input.
 
-use crate::drive::{Hand, a_board, a_bus, clock, row};
-use crate::process::Desk;
+use crate::desk::Desk;
+use crate::drive::{Hand, a_board, a_bus, row};
+use crate::shop::clock;
 use twin_smartdrive::emulator as bus;
 
 /// Number, name, value, saved, factory, unit: the working value is that of the file already, what is saved is not.

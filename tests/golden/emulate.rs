@@ -1,7 +1,7 @@
 //! Emulated drives as processes of their own, and their control sockets.
 
+use crate::desk::{Desk, Done, comes};
 use crate::drive::row;
-use crate::process::{Desk, Done, comes};
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::net::UnixStream;
 use std::path::Path;

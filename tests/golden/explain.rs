@@ -1,6 +1,6 @@
 //! `twin explain` as a process. Numbers, names and raisers are those of manual 9.3.
 
-use crate::process::Desk;
+use crate::desk::Desk;
 
 #[test]
 fn an_error_in_the_language_asked_for() {

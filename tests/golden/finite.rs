@@ -1,6 +1,6 @@
 //! Numbers that are not finite leave no command, however extreme the finite numbers of its input are.
 
-use crate::process::{Desk, shipped};
+use crate::desk::{Desk, shipped};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use std::fmt::Write as _;

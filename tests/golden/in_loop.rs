@@ -1,6 +1,6 @@
 //! Drives in the loop: emulated drives between set-points and the motors of the simulated machine.
 
-use crate::process::{Desk, number, shipped};
+use crate::desk::{Desk, number, shipped};
 
 /// A portal whose axes have 320, 320 and 640 increments per mm, on a board and on a bus.
 fn desk() -> Desk {

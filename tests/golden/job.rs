@@ -1,6 +1,6 @@
 //! Jobs as a process: blocks, cams and gears through check, simulated machine and drives.
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 
 /// 0 to 40 mm over half a turn from rest to rest, and back.
 const LIFT: &str = r#"

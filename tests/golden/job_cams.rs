@@ -1,6 +1,6 @@
 //! Findings about the cams that jobs and machine files name.
 
-use crate::process::Desk;
+use crate::desk::Desk;
 use serde_json::Value;
 
 /// Up 40 mm and down; the point at 90 stands behind those it belongs before.

@@ -1,6 +1,6 @@
 //! Jumps of a slave at cam changes and cam starts in jobs, and waiting for a probe's trigger.
 
-use crate::process::{Desk, Done};
+use crate::desk::{Desk, Done};
 
 /// From rest to 0.8 mm/mm, and from there to rest; both begin at 0.
 const CAMS: [(&str, &str); 2] = [

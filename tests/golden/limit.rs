@@ -1,6 +1,6 @@
 //! `twin limit` as a process: profiles within the limits of machine files, programs with feasible feeds, wrong use.
 
-use crate::process::{Desk, Done, has_keys, number};
+use crate::desk::{Desk, Done, has_keys, number};
 use serde_json::Value;
 
 /// Lines rest to rest on the portal, whose Z axis does 200 mm/s and 2000 mm/s² and is asked for twice the speed. F, E and

@@ -1,6 +1,6 @@
 //! Input without an end: what is read as a whole is refused, streams are read as they come.
 
-use crate::process::{Desk, Done};
+use crate::desk::{Desk, Done};
 use std::io::Write;
 use std::process::Stdio;
 

@@ -1,6 +1,6 @@
 //! `twin machine` as a process: text, pictures and recordings.
 
-use crate::process::Desk;
+use crate::desk::Desk;
 
 /// Everything follows from machines/gantry3.toml: limits less the tool of 40 mm, and the velocity limits of the axes.
 #[test]

@@ -22,6 +22,7 @@ mod cases;
 mod check_limits;
 mod collision;
 mod compare;
+mod desk;
 mod drive;
 mod drive_beforehand;
 mod drive_home;
@@ -71,18 +72,4 @@ mod tuning;
 mod urdf;
 mod verdict;
 
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .expect("the workspace is above the crate")
-        .to_owned()
-}
-
-/// A word of a command line. `machines/`, `examples/` and `tests/` at its beginning are those of the workspace.
-fn word(word: &str) -> OsString {
-    let shipped = ["machines/", "examples/", "tests/"].iter().any(|at| word.starts_with(at));
-    if shipped { root().join(word).into_os_string() } else { word.into() }
-}
+use desk::{root, word};

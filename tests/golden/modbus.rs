@@ -1,6 +1,6 @@
 //! Frames between a Modbus master and the emulated board, byte by byte.
 
-use crate::process::Desk;
+use crate::desk::Desk;
 use std::fs::File;
 use std::io::{BufReader, Read, Write};
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Motors of the simulated machine, reported by `twin check --physics` as a process.
 
-use crate::process::{Desk, Done, number, shipped};
+use crate::desk::{Desk, Done, number, shipped};
 use crate::recording::{chunks, recorded, series};
 use serde_json::Value;
 

@@ -12,7 +12,7 @@
 //!
 //! `TWIN_NET_OUTPUT=DIR` keeps the hashed texts, so that those of two commits can be compared line by line.
 
-use crate::process::BINARY;
+use crate::desk::BINARY;
 use crate::root;
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -1,6 +1,6 @@
 //! Recording, log and report of a run on a disk that is full, slow, gone or limited: the run goes on, and says so.
 
-use crate::process::{Desk, Done, has_keys, started};
+use crate::desk::{Desk, Done, has_keys, started};
 use crate::recording::{RECORDING, chunks, series};
 use serde_json::Value;
 use std::fs::File;

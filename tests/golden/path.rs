@@ -1,6 +1,6 @@
 //! `twin path` and M functions as a process: conversions between programs, drawings and set-points.
 
-use crate::process::{Desk, shipped};
+use crate::desk::{Desk, shipped};
 use serde_json::Value;
 
 /// Both pictures, and the overviews: the program's text says what they show.

@@ -1,7 +1,7 @@
 //! Programs as people write them: missing words, closing marks, encodings, sections of preparation, and the units of
 //! the messages about them.
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 use serde_json::Value;
 
 /// The points of the prepared cuts of a program, mm.

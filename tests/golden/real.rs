@@ -1,8 +1,7 @@
 //! `twin run --drives real` on emulators in this process as the real devices, whose own state proves the result.
 
-use crate::drive::clock;
-use crate::process::{BINARY, Desk, number};
-use crate::shop::{SHORT, Shop, a_board, listens, mixture};
+use crate::desk::{BINARY, Desk, number};
+use crate::shop::{SHORT, Shop, a_board, clock, listens, mixture};
 use serde_json::Value;
 use std::io::Write;
 use std::process::{Command, Stdio};

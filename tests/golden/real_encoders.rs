@@ -1,9 +1,8 @@
 //! Runs whose axes have encoders, declared in the machine file: a held shaft stops all axes.
 
-use crate::drive::clock;
-use crate::process::{Desk, comes};
+use crate::desk::{Desk, comes};
 use crate::real::alone;
-use crate::shop::{SHORT, Shop, a_board, mixture};
+use crate::shop::{SHORT, Shop, a_board, clock, mixture};
 use twin_bim2ax::{EncoderBench, ModuleAxis, emulator as module};
 use twin_drives::Control;
 use twin_interpcnc::{BoardAxis, emulator as board};

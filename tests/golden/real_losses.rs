@@ -1,6 +1,6 @@
 //! Runs on real drives whose wires lose answers, carry too little, or whose devices do not do what they confirm.
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 use crate::shop::Shop;
 use twin_bim2ax::emulator as module;
 use twin_drives::{Control, Direction, FaultRule, When, WireFault};

@@ -1,6 +1,6 @@
 //! Runs on real drives that are stopped, by the user or by a failure.
 
-use crate::process::comes;
+use crate::desk::comes;
 use crate::shop::{Shop, mixture};
 use std::time::Duration;
 use twin_bim2ax::ModuleAxis;

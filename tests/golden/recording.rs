@@ -1,6 +1,6 @@
 //! Reader of recordings that the binary has written.
 
-use crate::process::Desk;
+use crate::desk::Desk;
 use rerun::ComponentDescriptor;
 use rerun::external::re_log_encoding::Decoder;
 use rerun::log::{Chunk, LogMsg};

@@ -1,6 +1,6 @@
 //! Remedies that `twin check` names, carried out: what they cure is gone when it is checked again.
 
-use crate::process::{Desk, Done, shipped};
+use crate::desk::{Desk, Done, shipped};
 
 /// Out of reach (450 mm, and 50 mm about the axis of the first arm), and how far the farthest point is away.
 const OUT_OF_REACH: [(&str, f64); 6] = [

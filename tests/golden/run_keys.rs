@@ -1,6 +1,6 @@
 //! Keys of a run at a terminal (`script` of util-linux gives the process one).
 
-use crate::process::{BINARY, Desk, number};
+use crate::desk::{BINARY, Desk, number};
 use std::io::{Read, Write};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;

@@ -1,6 +1,6 @@
 //! `twin run --limits axes` as a process: the run moves exactly as the check within the limits of the axes.
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 
 /// 40 mm of X at 150 mm/s, then 60 mm of Z, which does 200 mm/s and is asked for twice of that.
 const LINES: &str = "\

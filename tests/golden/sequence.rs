@@ -1,6 +1,6 @@
 //! Several programs on one machine, one after the other: the axes bridge the gap between them (manual 2.2.5, 11.7.1).
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 
 /// 10 mm at 100 mm/s with 1000 mm/s²: 0.2 s, and ends at X 100.
 const FIRST: &str = "% first\nN10 G92 X90 Y100\nN20 G1 X100 F100 E1000 E-1000\n";

@@ -1,14 +1,19 @@
 //! Workshop fixture: three emulated devices as the real ones, commissioned for one machine with axes on all of them.
 
-use crate::drive::clock;
-use crate::process::{Desk, Done, comes};
+use crate::desk::{Desk, Done, comes};
 use std::cell::RefCell;
 use std::path::Path;
+use twin::clock::Clock;
 use twin_bim2ax::emulator as module;
 use twin_bim2ax::{Contact, ModuleAxis};
 use twin_interpcnc::BoardAxis;
 use twin_interpcnc::emulator as board;
 use twin_smartdrive::emulator as bus;
+
+pub(crate) fn clock() -> impl Fn() -> i64 + Send + Sync {
+    let clock = Clock::start();
+    move || clock.now_ns()
+}
 
 /// There and back, 0.7 s. All axes are at 0 where it begins.
 pub(crate) const SHORT: &str =
@@ -58,6 +63,16 @@ pub(crate) const MODULE: [&str; 4] = [
     "soft-limit-minus-1 -32001",
 ];
 
+/// A module restarts faster than a real one, and slowly enough to be seen to.
+pub(crate) const QUICK_BOOT_NS: i64 = 200_000_000;
+
+/// A module whose software runs.
+pub(crate) fn started(options: &module::EmulatorOptions) -> module::EmulatedModule {
+    let running = module::EmulatedModule::start(options, clock()).expect("it starts");
+    comes(|| running.module().watchdog());
+    running
+}
+
 pub(crate) fn a_board(link: &Path) -> board::EmulatedBoard {
     let options =
         board::EmulatorOptions { link: Some(link.to_owned()), ..board::EmulatorOptions::default() };
@@ -74,13 +89,13 @@ pub(crate) fn a_bus(link: &Path) -> bus::EmulatedBus {
 /// Its cam is 400 to 900 µsteps behind the start.
 pub(crate) fn a_module(path: &Path) -> module::EmulatedModule {
     let mut options = module::EmulatorOptions::new(path);
-    options.module.boot_ns = crate::drive::QUICK_BOOT_NS;
+    options.module.boot_ns = QUICK_BOOT_NS;
     // Where a module corrects a move in time, the counter of a held shaft is right again.
     options.module.corrections.most = 0;
     for bench in &mut options.surroundings.benches {
         bench.cam = Some(Contact::between(-900, -400, true));
     }
-    crate::drive::started(&options)
+    started(&options)
 }
 
 /// The firmware of drives starts within 300 ms: until then nobody answers.

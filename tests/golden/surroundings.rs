@@ -1,6 +1,6 @@
 //! Obstacles around a machine and the clearance from them: in pictures, tables and recordings.
 
-use crate::process::{Desk, number, shipped};
+use crate::desk::{Desk, number, shipped};
 use crate::recording::{chunks, entities, rows, series};
 use rerun::components;
 

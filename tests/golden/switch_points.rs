@@ -1,6 +1,6 @@
 //! Path switch points (H words) in the live view.
 
-use crate::process::Desk;
+use crate::desk::Desk;
 use crate::recording::{chunks, rows, series};
 use rerun::components::Position3D;
 

@@ -1,6 +1,6 @@
 //! Protection of input files: no command writes over a file that it reads.
 
-use crate::process::Desk;
+use crate::desk::Desk;
 
 #[test]
 fn what_is_read_is_not_written_over() {

@@ -1,6 +1,6 @@
 //! `twin tune cam` with ambiguous fits: cams that match a run in more than one place.
 
-use crate::process::Desk;
+use crate::desk::Desk;
 use crate::tuning::{noise, recording, through};
 
 /// A cam of points at rest, 100 mm up and down as often as it says, with dwells between.

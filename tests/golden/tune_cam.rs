@@ -1,6 +1,6 @@
 //! `twin tune cam` as a process, on runs whose true values are known.
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 use crate::tuning::{LIFT, lift, noise, recording};
 use std::fmt::Write;
 

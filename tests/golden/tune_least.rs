@@ -1,7 +1,7 @@
 //! `twin tune cam` for the smallest peak: offsets, scalings and ramps, in closed form; and the protection of existing
 //! files.
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 use crate::tuning::LIFT;
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
 //! `twin tune cam` within limits: the fit of a run as far as they allow, and the nearest motion that keeps them.
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 use crate::tuning::{noise, recording, through};
 
 /// The shipped cam that picks and places, from its points alone.

@@ -1,6 +1,6 @@
 //! `twin tune cam` and the form of the recording: other units, few switchings, positions within a period.
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 use crate::tuning::{recording, through};
 
 const CAM: &str = r#"name = "lift"

@@ -1,6 +1,6 @@
 //! `twin tune cam` and `twin cam check` about the start: a proposal must start, or it is not proposed (error 626).
 
-use crate::process::{Desk, number};
+use crate::desk::{Desk, number};
 use crate::tuning::{LIFT, lift, noise, recording};
 use serde_json::Value;
 

@@ -1,6 +1,6 @@
 //! `twin tune cam` and tappets: they keep their places on the master, in closed form.
 
-use crate::process::{Desk, number, shipped};
+use crate::desk::{Desk, number, shipped};
 use crate::tuning::{LIFT, PICK, lift, noise, recording, through};
 use serde_json::Value;
 

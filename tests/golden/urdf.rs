@@ -1,6 +1,6 @@
 //! Machines from URDF files, as a process.
 
-use crate::process::{Desk, shipped};
+use crate::desk::{Desk, shipped};
 use crate::root;
 use std::env;
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! Verdicts of `twin check` on generated programs against the independent truth of `tests/verdict`.
 
-use crate::process::BINARY;
+use crate::desk::BINARY;
 use crate::root;
 use std::process::Command;
 

@@ -1,7 +1,7 @@
 //! Reports: their fields, from the schema, which real reports of checks and runs must keep field by field.
 
 use super::{cell, compare};
-use crate::process::Desk;
+use crate::desk::Desk;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::fmt::Write;

@@ -1,0 +1,424 @@
+//! Faults from outside a run, in every phase: page, disk, pipes, a standstill, signals, death.
+//!
+//! One run has axes on devices of all three families. The devices are in this process and say where the axes are.
+
+use std::{
+    collections::HashMap,
+    fs::File,
+    io::{BufRead, BufReader, Read, Write},
+    net::TcpStream,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+    process::{Child, ChildStderr, Command},
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+    thread,
+    time::Duration,
+};
+
+use serde_json::Value;
+use twin_interpcnc::BoardAxis;
+
+use crate::{
+    desk::{Done, comes},
+    shop::Shop,
+};
+
+const RUN: &str = "run outside.cnc -m mixture.toml --drives real --homed --home=U --yes --m-ack 2s --report r.json";
+
+/// All blocks are on one line: X goes 90 mm, Y 45, Z 30 and U 20. Where it ends, as a part of that.
+const PROGRAM: &str = "% outside\nN10 G92 X60 Y30 Z-35 U4\n\
+                       N20 G0 X150 Y75 Z-5 U24 F100 E400 E-400\n\
+                       N30 G1 X60 Y30 Z-35 U4 F50 E300 E-300\nN40 M0\n\
+                       N50 G1 X78 Y39 Z-29 U8 F20\n";
+const WAY: [f64; 4] = [90.0, 45.0, 30.0, 20.0];
+/// Where the program begins, mm. Z counts from where its device was switched on, at -40 mm.
+const START: [f64; 4] = [60.0, 30.0, 5.0, 4.0];
+const END: f64 = 0.2;
+/// Two increments of the coarsest axis, mm.
+const TOLERANCE: f64 = 2.0 / 320.0;
+/// Runs side by side.
+const WORKERS: usize = 5;
+/// Increments of X per mm.
+const PER_MM: f64 = 320.0;
+
+/// Phase of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// On the way to the start of the program.
+    Approach,
+    Rapid,
+    Cutting,
+    /// Waiting at M0.
+    Hold,
+    /// Braking at the end of the last block.
+    End,
+}
+
+impl Phase {
+    pub(crate) const ALL: [Self; 5] =
+        [Self::Approach, Self::Rapid, Self::Cutting, Self::Hold, Self::End];
+
+    /// Waits for it.
+    fn comes(self, shop: &Shop) {
+        let x = || shop.board.look().expect("it runs").position(BoardAxis::X) / PER_MM;
+        comes(|| x() > 3.0);
+        if self == Self::Approach {
+            return;
+        }
+        comes(|| x() > 80.0);
+        if self == Self::Rapid {
+            return;
+        }
+        comes(|| x() > 145.0);
+        comes(|| x() < 135.0);
+        if self == Self::Cutting {
+            return;
+        }
+        comes(|| x() < START[0] + TOLERANCE);
+        thread::sleep(Duration::from_millis(300));
+        if self == Self::End {
+            comes(|| x() > 76.5);
+        }
+    }
+}
+
+/// Fault from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outside {
+    /// Clients of the page that send half a head, a body without end, and many requests.
+    Page,
+    /// No file may become larger.
+    FullDisk,
+    /// Nobody reads the recording any more.
+    UnreadPipe,
+    /// Nobody reads standard error any more.
+    ClosedOutput,
+    /// The process stands still for 3 s.
+    Standstill,
+    Interrupt,
+    Terminate,
+    Hangup,
+    Killed,
+}
+
+impl Outside {
+    const ALL: [Self; 9] = [
+        Self::Page,
+        Self::FullDisk,
+        Self::UnreadPipe,
+        Self::ClosedOutput,
+        Self::Standstill,
+        Self::Interrupt,
+        Self::Terminate,
+        Self::Hangup,
+        Self::Killed,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Page => "page: slow, huge, many",
+            Self::FullDisk => "disk: full",
+            Self::UnreadPipe => "recording: pipe, unread",
+            Self::ClosedOutput => "standard error: closed",
+            Self::Standstill => "SIGSTOP for 3 s",
+            Self::Interrupt => "SIGINT",
+            Self::Terminate => "SIGTERM",
+            Self::Hangup => "SIGHUP",
+            Self::Killed => "SIGKILL",
+        }
+    }
+
+    /// Expected result.
+    fn expected(self) -> Ends {
+        match self {
+            Self::Page | Self::FullDisk | Self::UnreadPipe | Self::ClosedOutput => Ends::GoesOn,
+            Self::Standstill => Ends::Brakes,
+            Self::Interrupt | Self::Terminate | Self::Hangup => Ends::Stops,
+            Self::Killed => Ends::Dies,
+        }
+    }
+}
+
+/// End of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ends {
+    /// At the end of the program.
+    GoesOn,
+    /// On the path, with a report that says where and why.
+    Stops,
+    /// Each axis on its own, at most as far off the path as it has come without set-points, with a report.
+    Brakes,
+    /// Without report; the axes go to their last targets and rest.
+    Dies,
+}
+
+impl Ends {
+    fn name(self) -> &'static str {
+        match self {
+            Self::GoesOn => "goes on",
+            Self::Stops => "stops",
+            Self::Brakes => "brakes",
+            Self::Dies => "dies, rests",
+        }
+    }
+}
+
+/// A run that something befalls.
+struct Struck {
+    shop: Shop,
+    child: Child,
+    stderr: Option<BufReader<ChildStderr>>,
+    /// What it has written to standard error.
+    seen: String,
+    /// Open until the run has ended.
+    clients: Vec<TcpStream>,
+    /// Set when nobody reads the recording any more.
+    unread: Arc<AtomicBool>,
+}
+
+impl Struck {
+    fn start(fault: Outside) -> Self {
+        let shop = Shop::new();
+        shop.desk.write("outside.cnc", PROGRAM);
+        let unread = Arc::new(AtomicBool::new(false));
+        if fault == Outside::UnreadPipe {
+            drains(&shop.desk.path("r.rrd"), &unread);
+        }
+        let more = match fault {
+            Outside::Page => "--serve 127.0.0.1:0",
+            Outside::FullDisk | Outside::UnreadPipe => "--record r.rrd --log-axis X=all:x.log",
+            _ => "",
+        };
+        let mut child = shop.desk.command(&format!("{RUN} {more}")).spawn().expect("it starts");
+        let stderr = child.stderr.take().map(BufReader::new);
+        Self { shop, child, stderr, seen: String::new(), clients: Vec::new(), unread }
+    }
+
+    /// Reads standard error up to `sign`.
+    fn reads(&mut self, sign: &str) {
+        let mut lines = self.stderr.as_mut().expect("it is open").lines().map_while(Result::ok);
+        for line in lines.by_ref() {
+            self.seen += &line;
+            self.seen.push('\n');
+            if line.contains(sign) {
+                return;
+            }
+        }
+        panic!("it does not begin:\n{}", self.seen);
+    }
+
+    fn signal(&self, signal: &str) {
+        let process = self.child.id().to_string();
+        let sent = Command::new("kill").args([signal, &process]).status().expect("kill is there");
+        assert!(sent.success(), "it has ended already:\n{}", self.seen);
+    }
+
+    fn strike(&mut self, fault: Outside) {
+        match fault {
+            Outside::Page => self.visit(),
+            Outside::FullDisk => {
+                let process = self.child.id().to_string();
+                let mut limit = Command::new("prlimit");
+                limit.args(["--fsize=20000", "--pid", &process]);
+                assert!(limit.status().expect("prlimit is there").success());
+            }
+            Outside::UnreadPipe => self.unread.store(true, Ordering::SeqCst),
+            Outside::ClosedOutput => drop(self.stderr.take()),
+            Outside::Standstill => {
+                self.signal("-STOP");
+                thread::sleep(Duration::from_secs(3));
+                self.signal("-CONT");
+            }
+            Outside::Interrupt => self.signal("-INT"),
+            Outside::Terminate => self.signal("-TERM"),
+            Outside::Hangup => self.signal("-HUP"),
+            Outside::Killed => self.signal("-KILL"),
+        }
+    }
+
+    /// Opens connections that stay, and asks for the page many times.
+    fn visit(&mut self) {
+        let address = self.seen.split("http://").nth(1).and_then(|rest| rest.split('/').next());
+        let address = address.expect("an address").to_owned();
+        let connect = || TcpStream::connect(&address).expect("it listens");
+        let endless =
+            format!("POST / HTTP/1.1\r\nHost: {address}\r\nContent-Length: 99999999999\r\n\r\n");
+        for head in [endless.as_bytes(), b"GET / HTTP/1.1\r\nHo"] {
+            for _ in 0..50 {
+                let mut client = connect();
+                // One that is refused is closed at once.
+                let _refused = client.write_all(head);
+                self.clients.push(client);
+            }
+        }
+        for _ in 0..300 {
+            let mut client = connect();
+            let asked = format!("GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+            let _refused = client.write_all(asked.as_bytes());
+            let _refused = client.read_to_end(&mut Vec::new());
+        }
+    }
+
+    /// Waits for its end.
+    fn ends(mut self) -> (Shop, Done) {
+        if !self.clients.is_empty() {
+            // The page stays until somebody ends it.
+            comes(|| self.shop.desk.path("r.json").exists());
+            self.signal("-INT");
+        }
+        let mut stderr = self.stderr.take();
+        let mut stdout = self.child.stdout.take().expect("piped");
+        let reads = thread::Builder::new().name("standard error".to_owned()).spawn(move || {
+            let mut text = String::new();
+            let read = stderr.as_mut().map(|stderr| stderr.read_to_string(&mut text));
+            read.transpose().map(|_| text)
+        });
+        let mut written = String::new();
+        stdout.read_to_string(&mut written).expect("text");
+        let more = reads.expect("a thread").join().expect("it ends").expect("text");
+        comes(|| self.child.try_wait().expect("it is ours").is_some());
+        let status = self.child.wait().expect("it has ended").code();
+        (self.shop, Done { status, stdout: written, stderr: self.seen + &more })
+    }
+}
+
+/// Makes a pipe and reads it until `unread` is set; it stays open.
+fn drains(path: &Path, unread: &Arc<AtomicBool>) {
+    let made = Command::new("mkfifo").arg(path).status().expect("mkfifo is there");
+    assert!(made.success());
+    let mut pipe = File::options().read(true).write(true).open(path).expect("a pipe");
+    let unread = Arc::clone(unread);
+    let read = move || {
+        let mut bytes = vec![0; 1 << 16];
+        while !unread.load(Ordering::SeqCst) {
+            assert_ne!(pipe.read(&mut bytes).expect("it is open for writing"), 0);
+        }
+        thread::sleep(Duration::from_secs(30));
+    };
+    thread::Builder::new().name("reader".to_owned()).spawn(read).expect("a thread");
+}
+
+/// Position of the axes in words, where it is not as it should be.
+fn check_axis(axis: usize, found: [f64; 4], phase: Phase, ends: Ends) -> Result<(), String> {
+    let at = found[axis];
+    let near = |due: f64| (at - due).abs() <= TOLERANCE;
+    let within = |low: f64, high: f64| (low - TOLERANCE..=high + TOLERANCE).contains(&at);
+    let end = START[axis] + WAY[axis];
+    let right = match ends {
+        Ends::GoesOn => near(START[axis] + END * WAY[axis]),
+        _ if phase == Phase::Approach => within(0.0, START[axis]),
+        // On the line, where X is.
+        Ends::Stops => {
+            near(START[axis] + (found[0] - START[0]) / WAY[0] * WAY[axis])
+                && within(START[axis], end)
+        }
+        Ends::Brakes | Ends::Dies => within(START[axis], end),
+    };
+    let name = ["X", "Y", "Z", "U"][axis];
+    if right { Ok(()) } else { Err(format!("{name} is at {at:.3} mm; X is at {:.3}", found[0])) }
+}
+
+/// A run's end, and what is wrong with its device of each family.
+type Outcome = (Ends, [Result<(), String>; 3]);
+
+/// One run.
+fn trial(fault: Outside, phase: Phase) -> Outcome {
+    let mut struck = Struck::start(fault);
+    struck.reads("axis U is home");
+    phase.comes(&struck.shop);
+    struck.strike(fault);
+    let (shop, done) = struck.ends();
+    let mut wanted = fault.expected();
+    let Done { status, stdout, stderr } = &done;
+    let said = format!("status {status:?}\n{stdout}\n{stderr}");
+    let report = match std::fs::read_to_string(shop.desk.path("r.json")) {
+        Ok(text) => serde_json::from_str(&text).ok(),
+        Err(_) => serde_json::Deserializer::from_str(stdout)
+            .into_iter::<Value>()
+            .next()
+            .and_then(Result::ok),
+    };
+    match (wanted, &report) {
+        (Ends::Dies, report) => assert!(status.is_none() && report.is_none(), "{said}"),
+        (_, None) => panic!("no report: {said}"),
+        (_, Some(report)) => {
+            if phase == Phase::End && report["completed"] == true {
+                // It had been planned to its end.
+                wanted = Ends::GoesOn;
+            }
+            assert_eq!(report["completed"], wanted == Ends::GoesOn, "{report:#}\n{said}");
+            let findings = report["findings"].as_array().expect("findings");
+            let early = findings.iter().any(|finding| finding["rule"] == "recording-ended");
+            let failed = early || wanted != Ends::GoesOn;
+            assert_eq!(*status, Some(if failed { 2 } else { 0 }), "{said}");
+            let spoilt = matches!(fault, Outside::FullDisk | Outside::UnreadPipe);
+            // At the end a pipe takes what is left.
+            assert!(early == spoilt || spoilt && phase == Phase::End, "{said}");
+            if wanted == Ends::Brakes {
+                assert!(stderr.contains("look first for what stopped this process"), "{said}");
+            }
+        }
+    }
+    shop.others_come_to_rest();
+    let found = shop.at_rest().map(|at| at.expect("it is there"));
+    let axis = |axis| check_axis(axis, found, phase, wanted);
+    (wanted, [axis(0).and(axis(1)), axis(2), axis(3)])
+}
+
+/// Families of X and Y, Z, and U.
+const FAMILIES: [&str; 3] = ["InterpCnc", "SmartDrive", "Bim2Ax"];
+
+/// Makes the cells whose name contains `wanted` and prints them as rows of the table; the failures.
+pub(crate) fn outside_faults(wanted: &str) -> Vec<String> {
+    let name = |fault: Outside, phase: Phase| format!("outside/{}/{phase:?}", fault.name());
+    let cells = Outside::ALL.into_iter().flat_map(|fault| Phase::ALL.map(|phase| (fault, phase)));
+    let cells: Vec<_> =
+        cells.filter(|(fault, phase)| name(*fault, *phase).contains(wanted)).collect();
+    let next = AtomicUsize::new(0);
+    let made = Mutex::new(HashMap::new());
+    let work = || {
+        while let Some((fault, phase)) = cells.get(next.fetch_add(1, Ordering::SeqCst)) {
+            let outcome = catch_unwind(AssertUnwindSafe(|| trial(*fault, *phase)));
+            let outcome = outcome.unwrap_or_else(|panic| {
+                let why = panic.downcast_ref::<String>().cloned();
+                let why = why.unwrap_or_else(|| "it panics".to_owned());
+                (fault.expected(), [(); 3].map(|()| Err(why.clone())))
+            });
+            made.lock().expect("cells").insert(name(*fault, *phase), outcome);
+        }
+    };
+    thread::scope(|scope| {
+        for worker in 0..WORKERS {
+            let name = format!("outside {worker}");
+            thread::Builder::new().name(name).spawn_scoped(scope, work).expect("a thread");
+        }
+    });
+    let made = made.into_inner().expect("cells");
+    let mut wrong = Vec::new();
+    println!(
+        "{:<30} {:<11} {}",
+        "fault from outside",
+        "family",
+        Phase::ALL.map(|phase| format!("{:<24}", format!("{phase:?}"))).concat()
+    );
+    for fault in Outside::ALL {
+        for (place, family) in FAMILIES.into_iter().enumerate() {
+            let cell = |phase: Phase| {
+                let name = name(fault, phase);
+                let Some((ends, outcomes)) = made.get(&name) else { return format!("{:<24}", "") };
+                let ends = ends.name();
+                if let Err(why) = &outcomes[place] {
+                    wrong.push(format!("{name}, {family}: {ends} expected, {why}"));
+                    return format!("! {ends:<22}");
+                }
+                format!("{ends:<24}")
+            };
+            println!("{:<30} {family:<11} {}", fault.name(), Phase::ALL.map(cell).concat());
+        }
+    }
+    println!("{} runs, {} not as expected", made.len(), wrong.len());
+    wrong
+}
