@@ -631,6 +631,29 @@ fn a_slave_without_a_scale_has_that_of_its_curve() {
     assert_eq!((scale.min, scale.max), (2.5, 3.5));
 }
 
+/// Steps that no file says are computed again; a scale that no file can have is an error.
+#[test]
+fn scales_at_the_ends_of_numbers() {
+    let of = |slave: &str, end: &str| {
+        format!(
+            "name = \"s\"\nmaster = {{ min = 0, max = 1 }}\n{slave}\nelements = [{{ master = 0, slave = 0 }}, {{ master = 1, slave = {end} }}]\n"
+        )
+    };
+    for text in [of("slave = { min = 0, max = 1e-308 }", "1e-310"), of("", "1e-20")] {
+        let file = read(&text).expect("a cam");
+        let again = read(&file.to_toml()).expect("it is read as it was written");
+        assert_eq!((again.slave, again.cam), (file.slave, file.cam));
+    }
+    let far = of("", "0, velocity = -1e15")
+        .replace("master = 1,", "master = 1000,")
+        .replace("max = 1 ", "max = 1000 ");
+    let found = problems(&far);
+    let [(message, at)] = &found[..] else { panic!("{found:?}") };
+    assert!(message.starts_with("the scale of the slave would go from 0.00e0 to "), "{message}");
+    assert!(message.contains("it must lie between -1e15 and 1e15: use smaller"), "{message}");
+    assert!(at.starts_with("[{ master = 0"), "{at}");
+}
+
 /// As tables are: by the file. A name that is said counts, and has to say something.
 #[test]
 fn a_cam_without_a_name_is_called_as_its_file() {

@@ -17,7 +17,7 @@ const MOST_SHOWN: usize = 5;
 /// Numbers of a file.
 pub(super) const ANY: RangeInclusive<f64> = -1e15..=1e15;
 /// Those that must be greater than 0.
-const POSITIVE: RangeInclusive<f64> = 1e-15..=1e15;
+pub(super) const POSITIVE: RangeInclusive<f64> = 1e-15..=1e15;
 /// The longest time of a tappet, µs: a day.
 const TAPPET_US: RangeInclusive<f64> = 0.0..=86_400e6;
 
@@ -110,6 +110,8 @@ pub(super) fn read(root: &Section<'_>, usual: &str) -> Option<TomlCam> {
         Ok(cam) => {
             if bare && kind == Kind::Cam {
                 source.scale_slave(Some(cam.curve()));
+                let key = if table.is_some() { "table" } else { "elements" };
+                check_scale(&source.slave, root, key);
             }
             let replaced = elements.last().and_then(|(element, span)| {
                 let section = sections[0].iter().find(|section| section.span() == *span)?;
@@ -268,6 +270,21 @@ fn slave_scale(section: &Section<'_>) -> (Option<Scale>, bool) {
     let step = section.number("step", POSITIVE).unwrap_or(0.0);
     let unit = section.text("unit").unwrap_or_default().to_owned();
     (Some(Scale { min: 0.0, max: 1.0, step, unit }), true)
+}
+
+/// Complains about `key`, whose slave has a scale that a file cannot have.
+fn check_scale(slave: &Scale, root: &Section<'_>, key: &str) {
+    if ANY.contains(&slave.min) && ANY.contains(&slave.max) {
+        return;
+    }
+    let (Scale { min, max, .. }, (low, high)) = (slave, ANY.into_inner());
+    root.complain_at(
+        key,
+        format!(
+            "the scale of the slave would go from {min:.2e} to {max:.2e}; it must lie between {low:e} and {high:e}: \
+             use smaller positions, velocities and accelerations"
+        ),
+    );
 }
 
 fn begin(element: &Element) -> f64 {

@@ -1,6 +1,7 @@
 //! Cams written as TOML, as people write them.
 
 use crate::cam_file::form::{Coupling, WANTED};
+use crate::cam_file::toml_form::POSITIVE;
 use std::fmt::{self, Display, Write};
 use twin_cam::{
     Action, Element, Equidistant, Interpolation, Kind, Knot, PairTable, Passage, Scale, Shape,
@@ -75,7 +76,10 @@ fn list(out: &mut String, key: &str, lines: impl Iterator<Item = String>) -> fmt
 
 fn scale(Scale { min, max, step, unit }: &Scale) -> String {
     let unit = if unit.is_empty() { String::new() } else { format!(", unit = {}", quoted(unit)) };
-    format!("min = {}, max = {}, step = {}{unit}", Number(*min), Number(*max), Number(*step))
+    // Only the step of a scale that says none can be smaller: reading computes it again.
+    let step =
+        if POSITIVE.contains(step) { format!(", step = {}", Number(*step)) } else { String::new() };
+    format!("min = {}, max = {}{step}{unit}", Number(*min), Number(*max))
 }
 
 fn write_coupling(out: &mut String, coupling: &Coupling) -> fmt::Result {
