@@ -144,6 +144,11 @@ impl FaultyWire {
         self.rules.push((rule, 0));
     }
 
+    /// Starts the random choices anew from this seed.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.random = seed;
+    }
+
     /// No faults any more.
     pub fn clear(&mut self) {
         self.rules.clear();
@@ -421,6 +426,21 @@ mod tests {
         let mut other = wire(WireFault::Drop, When::Next(1));
         assert_eq!(other.pass(Direction::Request, &FRAME).pieces.len(), 1);
         assert_eq!(other.pass(Direction::Answer, &FRAME).pieces.len(), 0);
+    }
+
+    #[test]
+    fn a_seed_set_later_counts_as_one_from_the_start() {
+        let corrupted = |wire: &mut FaultyWire| {
+            wire.clear();
+            let fault = WireFault::Corrupt { bytes: 2 };
+            wire.add(FaultRule { direction: Direction::Answer, when: When::Always, fault });
+            wire.pass(Direction::Answer, &FRAME).pieces
+        };
+        let (mut one, mut other) = (FaultyWire::new(1), FaultyWire::new(2));
+        assert_ne!(corrupted(&mut one), corrupted(&mut other));
+        one.set_seed(3);
+        other.set_seed(3);
+        assert_eq!(corrupted(&mut one), corrupted(&mut other));
     }
 
     #[test]

@@ -11,6 +11,8 @@ pub enum Control<E> {
     Fault(FaultRule),
     /// The wire has no faults any more, and nothing is due any more by [`Control::After`].
     NoFaults,
+    /// Random choices of the wire start anew from this seed.
+    Seed(u64),
     /// The plug is pulled (true) or put back: meanwhile nothing arrives either way.
     Disconnect(bool),
     /// Something happens after this number of further requests, just before the last of them is carried out; at once
@@ -51,6 +53,7 @@ impl<E> Agenda<E> {
                 wire.clear();
                 self.0.clear();
             }
+            Control::Seed(seed) => wire.set_seed(seed),
             Control::Disconnect(disconnected) => wire.set_disconnected(disconnected),
             Control::After { requests: 0, what } => self.obey(*what, wire, happen),
             Control::After { requests, what } => self.0.push((requests, *what)),
