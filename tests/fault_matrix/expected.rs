@@ -148,6 +148,11 @@ impl Expected {
         late && self.check(cell).is_err() && cell.stopped && cell.usable.is_ok()
     }
 
+    /// True if nothing needs to be reported.
+    pub(crate) fn is_survivable(self) -> bool {
+        matches!(self, Self::Survived | Self::Either(_) | Self::Unseen)
+    }
+
     /// As the table says it.
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -217,6 +222,23 @@ pub(crate) fn expected(family: Family, fault: Fault, doing: Doing) -> Expected {
             Family::Bim2Ax => on_bus(direction, wire, doing),
         },
         Fault::Device(fault) => of_device(family, fault, doing),
+    }
+}
+
+/// True if the check sum of the family may not find what a fault does to a frame: the device may then do something
+/// else than it was commanded, and the driver may read something else than was answered.
+pub(crate) fn passes_the_check(family: Family, fault: Fault) -> bool {
+    let Fault::Wire(_, wire) = fault else { return false };
+    match (family, wire) {
+        // A CRC-16 finds every error of up to 16 bits in a row, and misses one of 65,536 others.
+        (Family::InterpCnc | Family::Segments, _) => false,
+        // The XOR of two bytes that change places is the same; of several that are others it is in one of 255 cases.
+        (Family::SmartDrive | Family::Pair, WireFault::Reorder) => true,
+        (Family::SmartDrive | Family::Pair, WireFault::Corrupt { bytes }) => bytes > 1,
+        (Family::SmartDrive | Family::Pair, _) => false,
+        // There is none.
+        (Family::Bim2Ax, WireFault::Corrupt { .. } | WireFault::Truncate { .. }) => true,
+        (Family::Bim2Ax, _) => false,
     }
 }
 
@@ -361,6 +383,7 @@ fn only_what_is_late_is_made_again() {
     let timeout = || DriveError::Timeout { at: at(), deadline: std::time::Duration::ZERO };
     let cell = |outcome| Cell {
         outcome,
+        struck: true,
         stopped: true,
         truth: Truth::default(),
         ends: None,

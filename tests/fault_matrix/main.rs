@@ -16,6 +16,7 @@ mod kill;
 mod outside;
 mod rig;
 mod scenario;
+mod soak;
 mod stopping;
 mod track;
 
@@ -29,7 +30,7 @@ mod shop;
 
 use std::{
     sync::{
-        Mutex,
+        Mutex, PoisonError,
         atomic::{AtomicUsize, Ordering},
     },
     thread,
@@ -39,7 +40,7 @@ use assumed::Otherwise;
 use expected::{Expected, expected, expected_with_encoder, frames};
 use faults::{DeviceFault, Doing, Family, Fault};
 use rig::{RigClock, SPEED};
-use scenario::{Outcome, Trial, cell, is_meaningless, is_meant};
+use scenario::{Outcome, Strike, Trial, cell, is_meaningless, is_meant};
 
 /// Cells made at the same time: most of the time they wait for deadlines.
 const WORKERS: usize = 20;
@@ -53,6 +54,9 @@ const MOST_BEHIND: usize = 200;
 /// Repeats of a cell in which an axis was behind its plan, at the speed of the wall clock, where a delay on a busy computer is a
 /// fifth in device time: set-points that a driver loses by chance would be lost in one of them.
 const REPEATS: usize = 5;
+
+/// Matrix and soak take turns: each of them makes as much work as the computer carries.
+static TURN: Mutex<()> = Mutex::new(());
 
 /// A cell that has been made.
 struct Made {
@@ -134,7 +138,8 @@ fn make(row: Row, doing: Doing, speed: u32) -> Made {
     let seed = seed.unwrap_or_else(|| expected::seed(family, fault, doing));
     // What is put into the buffer past the driver is not what it watches.
     let buffered = family == Family::Segments && !row.has_encoder();
-    let trial = Trial { fault, doing, seed, frames, buffered, otherwise };
+    let strike = Strike::default();
+    let trial = Trial { fault, doing, seed, frames, buffered, otherwise, strike };
     let made = cell(family, &trial, RigClock::new(speed));
     let said = match &made.outcome {
         Outcome::Told(error) => expected::Cause::of(error)
@@ -157,6 +162,7 @@ fn make(row: Row, doing: Doing, speed: u32) -> Made {
 
 #[test]
 fn every_fault_comes_to_what_it_should() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     // Some of them, for those who look into one: FAULT_MATRIX="InterpCnc/answer: drop/Idle" or FAULT_MATRIX=outside.
     let wanted = std::env::var("FAULT_MATRIX").unwrap_or_default();
     let rows = Row::all();

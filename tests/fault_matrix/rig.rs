@@ -44,6 +44,8 @@ pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
 pub(crate) const OUTAGE: Duration = Duration::from_secs(5);
 /// Longest time that homing may take, ns of the device.
 const HOMING_NS: i64 = 20_000_000_000;
+/// Looks for a fault of a module at its interface, 1 ms apart: longer than its emulator waits between two looks.
+const SETTLING_LOOKS: u32 = 500;
 /// How far a plan is known ahead: shorter than drivers wait for an answer.
 const HORIZON: Duration = Duration::from_millis(100);
 /// The longest way to the home switch, increments, for devices that take one.
@@ -182,6 +184,8 @@ pub(crate) struct Rig {
     pub(crate) reached: Option<f64>,
     /// End of the last segment that was left in the device's buffer.
     pub(crate) queued: Option<i64>,
+    /// Counters of the axes at the driver's position 0.
+    origin: [i64; 2],
 }
 
 impl Rig {
@@ -212,7 +216,7 @@ impl Rig {
             Family::Pair => bus(clock, seed, 2, otherwise),
             Family::Bim2Ax => module(clock, seed, otherwise),
         };
-        Self { device, clock, reached: None, queued: None }
+        Self { device, clock, reached: None, queued: None, origin: [0; 2] }
     }
 
     /// The driver leaves: another may open the port.
@@ -329,7 +333,24 @@ impl Rig {
         Err(DriveError::NotHomed { at: at() })
     }
 
+    /// The driver is at position 0, and nothing is planned any more. A family may keep its zero in the driver alone.
+    pub(crate) fn note_origin(&mut self) {
+        (self.reached, self.queued, self.origin) = (None, None, [0; 2]);
+        self.origin = self.truth().axes.map(|axis| axis.counter);
+    }
+
+    /// True state; counters and targets from the driver's position 0.
     pub(crate) fn truth(&self) -> Truth {
+        let mut truth = self.raw_truth();
+        for (axis, origin) in truth.axes.iter_mut().zip(self.origin) {
+            axis.counter -= origin;
+            axis.target = axis.target.map(|target| target - origin);
+        }
+        truth.counter = truth.axes[0].counter;
+        truth
+    }
+
+    fn raw_truth(&self) -> Truth {
         match &self.device {
             Device::Board(board, _) => {
                 let board = board.look().expect("the emulator runs");
@@ -372,7 +393,7 @@ impl Rig {
     /// Something goes wrong with the wire, with so many frames from the next on; 0: with all.
     pub(crate) fn spoil(&self, direction: Direction, fault: WireFault, frames: u32, after: u32) {
         let fault = match fault {
-            WireFault::Delay { .. } => WireFault::Delay { ns: self.clock.ns(DELAY) },
+            WireFault::Delay { ns: 0 } => WireFault::Delay { ns: self.clock.ns(DELAY) },
             other => other,
         };
         let when = if frames == 0 { When::Always } else { When::Next(frames) };
@@ -438,6 +459,15 @@ impl Rig {
         }
     }
 
+    /// Random choices of the wire start anew.
+    pub(crate) fn set_seed(&self, seed: u64) {
+        match &self.device {
+            Device::Board(board, _) => board.control(Control::Seed(seed)).expect("it runs"),
+            Device::Bus(bus, _) => bus.control(Control::Seed(seed)).expect("it runs"),
+            Device::Module(module, ..) => module.control(Control::Seed(seed)),
+        }
+    }
+
     /// The wire is sound again.
     pub(crate) fn mend(&self) {
         match &self.device {
@@ -447,7 +477,8 @@ impl Rig {
         }
     }
 
-    /// Waits until a fault of the device shows at its interface, as far as that takes time.
+    /// Waits until a fault of the device shows at its interface, as far as that takes time. It may have been shown
+    /// before.
     pub(crate) fn settle(&self, fault: DeviceFault) {
         match (&self.device, fault) {
             (Device::Board(board, _), DeviceFault::Alarm) => {
@@ -462,9 +493,12 @@ impl Rig {
             ) => {
                 // The emulator writes its status byte into the file when it next looks at it.
                 let mut memory = MemoryFile::shared(module.path()).expect("it is there");
-                let mut status = [0];
-                while status[0] & 1 == 0 {
+                for _ in 0..SETTLING_LOOKS {
+                    let mut status = [0];
                     bim2ax::Memory::read(&mut memory, 0xFD, &mut status).expect("it is there");
+                    if status[0] & 1 != 0 {
+                        break;
+                    }
                     std::thread::sleep(Duration::from_millis(1));
                 }
             }
@@ -472,10 +506,14 @@ impl Rig {
         }
     }
 
-    /// The supply off and on again by hand: what brings back a drive that nothing else does.
+    /// The supply of the line off and on again by hand: what brings back a drive that nothing else does, as one in its
+    /// bootloader.
     pub(crate) fn power_cycle(&self) {
-        if let Device::Bus(..) = &self.device {
-            self.upset(DeviceFault::BrownOut, true, 0);
+        if let Device::Bus(bus, _) = &self.device {
+            for index in 0..bus.look().expect("the emulator runs").len() {
+                let off = smartdrive::emulator::Event::BrownOut { off_ns: 0 }.to(index);
+                bus.control(off).expect("the emulator runs");
+            }
         }
     }
 }

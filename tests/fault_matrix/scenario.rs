@@ -19,6 +19,8 @@ pub(crate) const TARGET: i64 = 4000;
 const SPEED: f64 = 4000.0;
 /// Target of the last move.
 const AFTERWARDS: i64 = 321;
+/// Speed of the way back to the begin, increments/s.
+const RETURN_SPEED: f64 = 10_000.0;
 /// Plan: half a cosine from 0 to there in so many seconds, units of the axis, and in increments by [`ratio`].
 const STROKE_U: f64 = 192.0;
 const STROKE: f64 = 16_000.0;
@@ -30,7 +32,9 @@ pub(crate) const MOST_LOOKS: u32 = 20_000;
 /// Looks in a row with the same position after which an axis rests, and where its status says that it moves.
 const SAME_LOOKS: u32 = 20;
 const STUCK_LOOKS: u32 = 300;
-/// Cycles of following after the end of the plan.
+/// Time after which an axis that still moves is not followed any longer, ns of the plan.
+const MOST_FOLLOWED_NS: i64 = 60_000_000_000;
+/// Cycles of following after the end of the plan and of the motion.
 const CYCLES_AFTERWARDS: u32 = 40;
 /// Attempts at getting a device back, or looks whether it rests, and the pause between them.
 pub(crate) const MOST_ATTEMPTS: u32 = 100;
@@ -63,6 +67,8 @@ pub(crate) enum Outcome {
 #[derive(Debug)]
 pub(crate) struct Cell {
     pub(crate) outcome: Outcome,
+    /// False if the activity ended before its fault.
+    pub(crate) struck: bool,
     /// After stopping by all means, with the fault still there.
     pub(crate) stopped: bool,
     pub(crate) truth: Truth,
@@ -109,8 +115,26 @@ pub(crate) fn is_over(plan: &impl SetpointStream) -> bool {
     plan.now_ns() > 18_000_000_000
 }
 
+/// Instant of an activity at which its fault occurs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Strike {
+    /// Requests until then; none: as many as the activity itself says.
+    pub(crate) after: Option<u32>,
+    /// Position on a followed plan beyond which it occurs, increments.
+    pub(crate) position: i64,
+    /// For so long a plan is followed before it is stopped, ns of the device.
+    pub(crate) followed_ns: i64,
+}
+
+impl Default for Strike {
+    /// A second of the computer's is followed.
+    fn default() -> Self {
+        Self { after: None, position: 300, followed_ns: 5_000_000_000 }
+    }
+}
+
 /// Parameters of a cell other than its family.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Trial {
     pub(crate) fault: Fault,
     pub(crate) doing: Doing,
@@ -122,10 +146,13 @@ pub(crate) struct Trial {
     pub(crate) buffered: bool,
     /// Assumption that differs from the usual one.
     pub(crate) otherwise: Option<Otherwise>,
+    pub(crate) strike: Strike,
 }
 
 impl Rig {
+    /// Makes the fault occur after a number of requests, unless the trial has its own.
     pub(crate) fn goes_wrong(&self, trial: &Trial, after: u32) {
+        let after = trial.strike.after.unwrap_or(after);
         match trial.fault {
             Fault::Wire(direction, fault) => self.spoil(direction, fault, trial.frames, after),
             Fault::Device(fault) => self.upset(fault, true, after),
@@ -166,7 +193,9 @@ impl Rig {
         let ends = axes.enumerate().map(|(axis, ((sense, commanded), truth))| {
             let last = sense * last;
             let right = Some(last);
-            if commanded == right && truth.target == right && truth.counter == last {
+            // A driver that does not know where it has sent an axis says none, which is not a false belief.
+            let believes = commanded.is_none() || commanded == right;
+            if believes && truth.target == right && truth.counter == last {
                 return Ok(last);
             }
             Err(format!(
@@ -288,6 +317,7 @@ impl Rig {
     ) -> Outcome {
         let start_ns = self.clock.now_ns() + 100_000_000;
         let plan = Plan { clock: self.clock, start_ns };
+        let position = trial.map_or(0, |trial| trial.strike.position);
         let mut spoilt = trial.is_none();
         // Long enough after its end that what is left undone is made good, whatever was lost on the way.
         let mut left = CYCLES_AFTERWARDS;
@@ -296,13 +326,15 @@ impl Rig {
             track.note((plan.now_ns(), plan.now_ns()), (0.0, 0.0), 0.0);
         }
         let count = self.drive().axis_count();
+        let mut moves = true;
         while left > 0 {
-            if is_over(&plan) {
+            // After a long outage an axis comes back at a limited speed, which may take longer than the plan.
+            if is_over(&plan) && !(moves && plan.now_ns() < MOST_FOLLOWED_NS) {
                 left -= 1;
             }
             match self.drive().follow(&plan) {
                 Err(error) => return Outcome::Told(error),
-                Ok(sample) if sample.moving && !spoilt && sample.position[0] > 300 => {
+                Ok(sample) if sample.moving && !spoilt && sample.position[0] > position => {
                     spoilt = true;
                     if let Some(trial) = trial {
                         self.goes_wrong(trial, 0);
@@ -314,6 +346,7 @@ impl Rig {
             }
             let from_ns = plan.now_ns();
             let truth = self.truth();
+            moves = truth.moving || truth.other_moves;
             let to_ns = plan.now_ns();
             let (from, to) = (plan.at(from_ns).position, plan.at(to_ns).position);
             for (axis, track) in tracks.iter_mut().enumerate().take(count) {
@@ -328,7 +361,10 @@ impl Rig {
         }
         match self.rests() {
             Ok(found) if found == (STROKE as i64) => Outcome::Survived,
-            Ok(found) => Outcome::Lost(format!("{found} instead of {STROKE}")),
+            Ok(found) => {
+                let (commanded, truth) = (self.drive().commanded(), self.truth());
+                Outcome::Lost(format!("{found} instead of {STROKE}, {commanded:?}, {truth:?}"))
+            }
             Err(error) => Outcome::Told(error),
         }
     }
@@ -374,6 +410,27 @@ impl Rig {
         let at = twin_drives::Exchange { port: "".into(), address: 0, action: Action::ReadState };
         Err(DriveError::NotArrived { at, axis: Axes::Only, target: AFTERWARDS, found })
     }
+
+    /// Moves a sound device to where a fresh one begins, and makes that its 0.
+    pub(crate) fn begin_again(&mut self) -> Result<(), String> {
+        let rest = Rest(self.clock);
+        let said = |error: DriveError| error.to_string();
+        let away = self.truth();
+        let mut targets = self.drive().sample(&rest).map_err(said)?.position;
+        for (target, axis) in targets.iter_mut().zip(&away.axes) {
+            *target -= axis.mechanical.round() as i64;
+        }
+        self.drive().move_to(&targets, &[RETURN_SPEED; MAX_DRIVE_AXES]).map_err(said)?;
+        self.rests().map_err(said)?;
+        self.drive().set_position(&[0; MAX_DRIVE_AXES]).map_err(said)?;
+        self.note_origin();
+        let truth = self.truth();
+        let near = |axis: &AxisTruth| axis.counter == 0 && axis.mechanical.abs() <= 0.5;
+        if truth.axes.iter().all(near) {
+            return Ok(());
+        }
+        Err(format!("not back where it began: {truth:?}, from {away:?}"))
+    }
 }
 
 /// What whoever waits for a move makes of it when it has not ended after so many looks.
@@ -382,74 +439,91 @@ fn unfinished(looks: u32) -> DriveError {
     DriveError::Unfinished { at, patience: looks * PAUSE }
 }
 
-/// Makes a cell of the table.
+/// Makes a cell of the table, with a fresh device.
 pub(crate) fn cell(family: Family, trial: &Trial, clock: RigClock) -> Cell {
-    let rest = Rest(clock);
-    let mut rig = sound(family, trial.seed, clock, trial.otherwise);
-    let outcome = match trial.doing {
-        Doing::Idle => rig.idle(trial),
-        Doing::Looking => rig.looking(trial),
-        Doing::ToHome | Doing::Homing => rig.homing(trial),
-        Doing::Moving => rig.moving(Some(trial), usual(family, clock)).0,
-        Doing::Stopping | Doing::Halting | Doing::FarStopping | Doing::FarHalting => {
-            rig.stopping(trial)
+    trial.made_by(family, &mut sound(family, trial.seed, clock, trial.otherwise))
+}
+
+impl Trial {
+    /// Makes a cell with a device that is at rest, obeys and is at 0.
+    pub(crate) fn made_by(&self, family: Family, rig: &mut Rig) -> Cell {
+        let (trial, rest) = (self, Rest(rig.clock));
+        let outcome = match trial.doing {
+            Doing::Idle => rig.idle(trial),
+            Doing::Looking => rig.looking(trial),
+            Doing::ToHome | Doing::Homing => rig.homing(trial),
+            Doing::Moving => {
+                let usual = usual(family, rig.clock);
+                rig.moving(Some(trial), usual).0
+            }
+            Doing::Stopping | Doing::Halting | Doing::FarStopping | Doing::FarHalting => {
+                rig.stopping(trial)
+            }
+        };
+        if trial.frames == 0 && matches!(trial.fault, Fault::Wire(Direction::Request, _)) {
+            // It was to last until it was reported.
+            rig.mend();
         }
-    };
-    if trial.frames == 0 && matches!(trial.fault, Fault::Wire(Direction::Request, _)) {
-        // It was to last until it was reported.
-        rig.mend();
-    }
-    let mut outcome = outcome;
-    let last = match trial.doing {
-        #[expect(clippy::cast_precision_loss, reason = "a small number")]
-        Doing::Idle | Doing::Looking => Some(ratio().units_of(TARGET as f64)),
-        Doing::Moving => Some(STROKE_U),
-        Doing::ToHome
-        | Doing::Homing
-        | Doing::Stopping
-        | Doing::Halting
-        | Doing::FarStopping
-        | Doing::FarHalting => None,
-    };
-    let mut ends = None;
-    if let (Outcome::Survived | Outcome::Astray(_), Some(last)) = (&outcome, last) {
-        match rig.ends(last) {
-            Ok(found) => ends = Some(found),
-            Err(lost) => outcome = Outcome::Lost(lost),
-        }
-    }
-    // Homing goes to one side in all drives.
-    if !matches!(trial.doing, Doing::ToHome | Doing::Homing)
-        && let Err(lost) = rig.sides(family)
-    {
-        outcome = Outcome::Lost(lost);
-    }
-    let truth = rig.truth();
-    let stopped = rig.stops();
-    let gone = trial.fault == Fault::Device(DeviceFault::Gone);
-    let goes_on = gone.then(|| rig.goes_on(trial.doing, &truth));
-    let usable = rig.recover(trial, family);
-    let usable = usable.and_then(|()| {
-        let truth = rig.truth();
-        // The driver's last word on where it is, and the device's.
-        let told = rig.drive().sample(&rest).map_err(|error| error.to_string())?;
-        let moves = truth.moving || truth.other_moves;
-        let both = family != Family::Pair || told.position[1] == SENSES[1] * AFTERWARDS;
-        let agree = !moves && told.position[0] == AFTERWARDS && both;
-        // A family may keep the new zero in its driver alone: of the device, only that it is where it was to go counts.
-        for (sense, axis) in SENSES.into_iter().zip(truth.axes).take(rig.drive().axis_count()) {
-            let commanded = rig.drive().commanded()[usize::from(sense < 0)];
-            if commanded != Some(sense * AFTERWARDS) || axis.target != Some(axis.counter) {
-                return Err(format!("sent to {commanded:?} as the driver has it, {truth:?}"));
+        let mut outcome = outcome;
+        let last = match trial.doing {
+            #[expect(clippy::cast_precision_loss, reason = "a small number")]
+            Doing::Idle | Doing::Looking => Some(ratio().units_of(TARGET as f64)),
+            Doing::Moving => Some(STROKE_U),
+            Doing::ToHome
+            | Doing::Homing
+            | Doing::Stopping
+            | Doing::Halting
+            | Doing::FarStopping
+            | Doing::FarHalting => None,
+        };
+        let mut ends = None;
+        if let (Outcome::Survived | Outcome::Astray(_), Some(last)) = (&outcome, last) {
+            match rig.ends(last) {
+                Ok(found) => ends = Some(found),
+                Err(lost) => outcome = Outcome::Lost(lost),
             }
         }
-        if agree { Ok(()) } else { Err(format!("{told:?}, and in truth {truth:?}")) }
-    });
-    Cell { outcome, stopped, truth, ends, usable, goes_on }
+        // Homing goes to one side in all drives.
+        if !matches!(trial.doing, Doing::ToHome | Doing::Homing)
+            && let Err(lost) = rig.sides(family)
+        {
+            outcome = Outcome::Lost(lost);
+        }
+        let truth = rig.truth();
+        // An attempt takes two frames at least, which a longer fault spoils.
+        let stopped = rig.stops(trial.frames.div_ceil(2).max(1));
+        let follows = matches!(trial.doing, Doing::Moving | Doing::Stopping | Doing::Halting);
+        let struck = !follows || rig.reached.is_some();
+        let gone = struck && trial.fault == Fault::Device(DeviceFault::Gone);
+        let goes_on = gone.then(|| rig.goes_on(trial.doing, &truth));
+        let usable = rig.recover(trial, family);
+        let usable = usable.and_then(|()| {
+            let truth = rig.truth();
+            // The driver's last word on where it is, and the device's.
+            let told = rig.drive().sample(&rest).map_err(|error| error.to_string())?;
+            let moves = truth.moving || truth.other_moves;
+            let both = family != Family::Pair || told.position[1] == SENSES[1] * AFTERWARDS;
+            let agree = !moves && told.position[0] == AFTERWARDS && both;
+            // A family may keep the new zero in its driver alone: of the device, only that it is where it was to go counts.
+            for (sense, axis) in SENSES.into_iter().zip(truth.axes).take(rig.drive().axis_count()) {
+                let commanded = rig.drive().commanded()[usize::from(sense < 0)];
+                if commanded != Some(sense * AFTERWARDS) || axis.target != Some(axis.counter) {
+                    return Err(format!("sent to {commanded:?} as the driver has it, {truth:?}"));
+                }
+            }
+            if agree { Ok(()) } else { Err(format!("{told:?}, and in truth {truth:?}")) }
+        });
+        Cell { outcome, struck, stopped, truth, ends, usable, goes_on }
+    }
 }
 
 /// A device that obeys.
-fn sound(family: Family, seed: u64, clock: RigClock, otherwise: Option<Otherwise>) -> Rig {
+pub(crate) fn sound(
+    family: Family,
+    seed: u64,
+    clock: RigClock,
+    otherwise: Option<Otherwise>,
+) -> Rig {
     let mut rig = Rig::assuming(family, seed, clock, otherwise);
     let rest = Rest(clock);
     // A machine that is busy may keep even a sound device waiting for too long.

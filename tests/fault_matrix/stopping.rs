@@ -16,8 +16,6 @@ use crate::{
     scenario::{MOST_ATTEMPTS, MOST_LOOKS, Outcome, PAUSE, Plan, SENSES, TARGET, Trial, is_over},
 };
 
-/// For so long a plan is followed before it is stopped, ns of the device: a second of the computer's.
-const FOLLOWED_NS: i64 = 5_000_000_000;
 /// Far enough that it is not half reached while something is stopped, increments.
 const FAR: i64 = 300_000;
 /// Distance that an axis may go back when its shaft is held or its current switched off, increments.
@@ -26,9 +24,9 @@ const BACK: f64 = 16.0;
 const STAY_LOOKS: u32 = 70;
 
 impl Rig {
-    /// Follows a plan for a second, until all axes move towards their targets; then segments are left waiting if they are to. Returns
+    /// Follows a plan for a time, until all axes move towards their targets; then segments are left waiting if they are to. Returns
     /// the state at that time.
-    fn follows_for_a_second(&mut self, buffered: bool) -> Result<Truth, Outcome> {
+    fn follows_for(&mut self, followed_ns: i64, buffered: bool) -> Result<Truth, Outcome> {
         let plan = Plan { clock: self.clock, start_ns: self.clock.now_ns() + 100_000_000 };
         let count = self.drive().axis_count();
         let truth = loop {
@@ -36,7 +34,7 @@ impl Rig {
             let truth = self.truth();
             let moves = truth.moving && (count == 1 || truth.other_moves);
             // On a busy computer a target arrives late: a drive that is too fast for it goes past it, and comes back.
-            if plan.now_ns() > FOLLOWED_NS && moves && truth.goes_ahead(count) {
+            if plan.now_ns() > followed_ns && moves && truth.goes_ahead(count) {
                 break truth;
             }
             if is_over(&plan) {
@@ -66,7 +64,7 @@ impl Rig {
             let moves = self.to(FAR).and_then(|()| self.moves()).map_err(Outcome::NotBegun);
             moves.map(|()| self.truth())
         } else {
-            self.follows_for_a_second(trial.buffered)
+            self.follows_for(trial.strike.followed_ns, trial.buffered)
         };
         let before = match begun {
             Ok(before) => before,
@@ -150,11 +148,12 @@ impl Rig {
         Ok(())
     }
 
-    /// Stops as sessions do after an error: a soft stop, then a hard stop.
-    pub(crate) fn stops(&mut self) -> bool {
-        let soft = self.drive().soft_stop();
-        if soft.is_err() {
-            drop(self.drive().hard_stop());
+    /// Stops as sessions do after an error: a soft stop, then a hard stop, and both again if neither is confirmed.
+    pub(crate) fn stops(&mut self, attempts: u32) -> bool {
+        for _ in 0..attempts {
+            if self.drive().soft_stop().is_ok() || self.drive().hard_stop().is_ok() {
+                break;
+            }
         }
         // On its ramp, where its status does not show.
         for _ in 0..MOST_ATTEMPTS {
