@@ -1,4 +1,4 @@
-//! Faults from outside a run, in every phase: page, disk, pipes, a standstill, signals, death.
+//! Faults from outside, in every phase of a run: page, disk, pipes, a standstill, signals, SIGKILL.
 //!
 //! One run has axes on devices of all three families. The devices are in this process and say where the axes are.
 
@@ -24,18 +24,21 @@ use twin_interpcnc::BoardAxis;
 use crate::{
     desk::{Done, comes},
     shop::Shop,
+    soak::words,
 };
 
 const RUN: &str = "run outside.cnc -m mixture.toml --drives real --homed --home=U --yes --m-ack 2s --report r.json";
 
-/// All blocks are on one line: X goes 90 mm, Y 45, Z 30 and U 20. Where it ends, as a part of that.
+/// All blocks are on one line.
 const PROGRAM: &str = "% outside\nN10 G92 X60 Y30 Z-35 U4\n\
                        N20 G0 X150 Y75 Z-5 U24 F100 E400 E-400\n\
                        N30 G1 X60 Y30 Z-35 U4 F50 E300 E-300\nN40 M0\n\
                        N50 G1 X78 Y39 Z-29 U8 F20\n";
+/// Length of the line in X, Y, Z and U, mm.
 const WAY: [f64; 4] = [90.0, 45.0, 30.0, 20.0];
 /// Where the program begins, mm. Z counts from where its device was switched on, at -40 mm.
 const START: [f64; 4] = [60.0, 30.0, 5.0, 4.0];
+/// End of the program as a part of the line.
 const END: f64 = 0.2;
 /// Two increments of the coarsest axis, mm.
 const TOLERANCE: f64 = 2.0 / 320.0;
@@ -149,7 +152,7 @@ enum Ends {
     GoesOn,
     /// On the path, with a report that says where and why.
     Stops,
-    /// Each axis on its own, at most as far off the path as it has come without set-points, with a report.
+    /// Each axis on its own ramp, within the block; the report or the error names the standstill.
     Brakes,
     /// Without report; the axes go to their last targets and rest.
     Dies,
@@ -166,10 +169,21 @@ impl Ends {
     }
 }
 
-/// A run that something befalls.
+/// The process of a run, which does not outlive its test.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // One that has ended cannot be killed.
+        let _ended = self.0.kill();
+        let _status = self.0.wait();
+    }
+}
+
+/// A run under a fault.
 struct Struck {
     shop: Shop,
-    child: Child,
+    child: Running,
     stderr: Option<BufReader<ChildStderr>>,
     /// What it has written to standard error.
     seen: String,
@@ -194,7 +208,14 @@ impl Struck {
         };
         let mut child = shop.desk.command(&format!("{RUN} {more}")).spawn().expect("it starts");
         let stderr = child.stderr.take().map(BufReader::new);
-        Self { shop, child, stderr, seen: String::new(), clients: Vec::new(), unread }
+        Self {
+            shop,
+            child: Running(child),
+            stderr,
+            seen: String::new(),
+            clients: Vec::new(),
+            unread,
+        }
     }
 
     /// Reads standard error up to `sign`.
@@ -207,11 +228,11 @@ impl Struck {
                 return;
             }
         }
-        panic!("it does not begin:\n{}", self.seen);
+        panic!("`{sign}` does not appear on standard error:\n{}", self.seen);
     }
 
     fn signal(&self, signal: &str) {
-        let process = self.child.id().to_string();
+        let process = self.child.0.id().to_string();
         let sent = Command::new("kill").args([signal, &process]).status().expect("kill is there");
         assert!(sent.success(), "it has ended already:\n{}", self.seen);
     }
@@ -220,7 +241,7 @@ impl Struck {
         match fault {
             Outside::Page => self.visit(),
             Outside::FullDisk => {
-                let process = self.child.id().to_string();
+                let process = self.child.0.id().to_string();
                 let mut limit = Command::new("prlimit");
                 limit.args(["--fsize=20000", "--pid", &process]);
                 assert!(limit.status().expect("prlimit is there").success());
@@ -254,33 +275,40 @@ impl Struck {
                 self.clients.push(client);
             }
         }
+        let mut answered = 0;
         for _ in 0..300 {
             let mut client = connect();
             let asked = format!("GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
             let _refused = client.write_all(asked.as_bytes());
-            let _refused = client.read_to_end(&mut Vec::new());
+            let mut answer = Vec::new();
+            let _refused = client.read_to_end(&mut answer);
+            answered += u32::from(answer.starts_with(b"HTTP/1.1 200 "));
         }
+        assert!(answered > 0, "nobody answers");
     }
 
     /// Waits for its end.
     fn ends(mut self) -> (Shop, Done) {
         if !self.clients.is_empty() {
-            // The page stays until somebody ends it.
+            // The page stays open until SIGINT.
             comes(|| self.shop.desk.path("r.json").exists());
             self.signal("-INT");
         }
         let mut stderr = self.stderr.take();
-        let mut stdout = self.child.stdout.take().expect("piped");
+        let mut stdout = self.child.0.stdout.take().expect("piped");
         let reads = thread::Builder::new().name("standard error".to_owned()).spawn(move || {
             let mut text = String::new();
             let read = stderr.as_mut().map(|stderr| stderr.read_to_string(&mut text));
             read.transpose().map(|_| text)
         });
-        let mut written = String::new();
-        stdout.read_to_string(&mut written).expect("text");
+        let written = thread::Builder::new().name("standard output".to_owned()).spawn(move || {
+            let mut text = String::new();
+            stdout.read_to_string(&mut text).map(|_| text)
+        });
+        comes(|| self.child.0.try_wait().expect("it is ours").is_some());
+        let status = self.child.0.wait().expect("it has ended").code();
         let more = reads.expect("a thread").join().expect("it ends").expect("text");
-        comes(|| self.child.try_wait().expect("it is ours").is_some());
-        let status = self.child.wait().expect("it has ended").code();
+        let written = written.expect("a thread").join().expect("it ends").expect("text");
         (self.shop, Done { status, stdout: written, stderr: self.seen + &more })
     }
 }
@@ -301,7 +329,7 @@ fn drains(path: &Path, unread: &Arc<AtomicBool>) {
     thread::Builder::new().name("reader".to_owned()).spawn(read).expect("a thread");
 }
 
-/// Position of the axes in words, where it is not as it should be.
+/// Checks where an axis rests.
 fn check_axis(axis: usize, found: [f64; 4], phase: Phase, ends: Ends) -> Result<(), String> {
     let at = found[axis];
     let near = |due: f64| (at - due).abs() <= TOLERANCE;
@@ -357,12 +385,18 @@ fn trial(fault: Outside, phase: Phase) -> Outcome {
             let spoilt = matches!(fault, Outside::FullDisk | Outside::UnreadPipe);
             // At the end a pipe takes what is left.
             assert!(early == spoilt || spoilt && phase == Phase::End, "{said}");
+            if wanted == Ends::Stops {
+                let reason = report["stopped_because"].as_str().unwrap_or_default();
+                assert!(reason.starts_with("stopped by the user"), "{reason}\n{said}");
+            }
             if wanted == Ends::Brakes {
                 done.reports(&["look first for what stopped this process"]);
             }
         }
     }
-    shop.others_come_to_rest();
+    if wanted == Ends::Dies {
+        shop.others_come_to_rest();
+    }
     let found = shop.at_rest().map(|at| at.expect("it is there"));
     let axis = |axis| check_axis(axis, found, phase, wanted);
     (wanted, [axis(0).and(axis(1)), axis(2), axis(3)])
@@ -371,7 +405,7 @@ fn trial(fault: Outside, phase: Phase) -> Outcome {
 /// Families of X and Y, Z, and U.
 const FAMILIES: [&str; 3] = ["InterpCnc", "SmartDrive", "Bim2Ax"];
 
-/// Makes the cells whose name contains `wanted` and prints them as rows of the table; the failures.
+/// Runs the cells whose name contains `wanted`, prints them as rows of the table and returns the failures.
 pub(crate) fn outside_faults(wanted: &str) -> Vec<String> {
     let name = |fault: Outside, phase: Phase| format!("outside/{}/{phase:?}", fault.name());
     let cells = Outside::ALL.into_iter().flat_map(|fault| Phase::ALL.map(|phase| (fault, phase)));
@@ -383,9 +417,8 @@ pub(crate) fn outside_faults(wanted: &str) -> Vec<String> {
         while let Some((fault, phase)) = cells.get(next.fetch_add(1, Ordering::SeqCst)) {
             let outcome = catch_unwind(AssertUnwindSafe(|| trial(*fault, *phase)));
             let outcome = outcome.unwrap_or_else(|panic| {
-                let why = panic.downcast_ref::<String>().cloned();
-                let why = why.unwrap_or_else(|| "it panics".to_owned());
-                (fault.expected(), [(); 3].map(|()| Err(why.clone())))
+                let why = words(&*panic);
+                (fault.expected(), [(); 3].map(|()| Err(why.to_owned())))
             });
             made.lock().expect("cells").insert(name(*fault, *phase), outcome);
         }

@@ -45,7 +45,7 @@ pub(crate) const OUTAGE: Duration = Duration::from_secs(5);
 /// Longest time that homing may take, ns of the device.
 const HOMING_NS: i64 = 20_000_000_000;
 /// Looks for a fault of a module at its interface, 1 ms apart: longer than its emulator waits between two looks.
-const SETTLING_LOOKS: u32 = 500;
+const SETTLING_LOOKS: u32 = 2000;
 /// How far a plan is known ahead: shorter than drivers wait for an answer.
 const HORIZON: Duration = Duration::from_millis(100);
 /// The longest way to the home switch, increments, for devices that take one.
@@ -506,8 +506,7 @@ impl Rig {
         }
     }
 
-    /// The supply of the line off and on again by hand: what brings back a drive that nothing else does, as one in its
-    /// bootloader.
+    /// The supply of the line off and on again by hand: the only way to reset a drive in its bootloader.
     pub(crate) fn power_cycle(&self) {
         if let Device::Bus(bus, _) = &self.device {
             for index in 0..bus.look().expect("the emulator runs").len() {

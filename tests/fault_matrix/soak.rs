@@ -110,7 +110,16 @@ fn draw(seed: u64, worker: usize, event: usize) -> Trial {
     let strike = draw_strike(random, fault, doing);
     let frames = if matches!(fault, Fault::Wire(..)) { random.count(1, 6) } else { 1 };
     let buffered = family == Family::Segments && random.count(0, 1) == 1;
-    Trial { fault, doing, seed: random.next(), frames, buffered, otherwise: None, strike }
+    Trial {
+        fault,
+        doing,
+        seed: random.next(),
+        frames,
+        buffered,
+        otherwise: None,
+        strike,
+        may_forget: true,
+    }
 }
 
 /// The fault with other parameters.
@@ -132,7 +141,7 @@ fn draw_parameters(random: &mut Random, fault: Fault) -> Fault {
     Fault::Wire(direction, wire)
 }
 
-/// Draws when a fault occurs: always before the activity can be over, as it is waited for.
+/// Draws the request or position at which a fault occurs, before the activity ends.
 fn draw_strike(random: &mut Random, fault: Fault, doing: Doing) -> Strike {
     let of_wire = matches!(fault, Fault::Wire(..));
     let after = match doing {
@@ -168,7 +177,7 @@ fn is_slow(trial: &Trial) -> bool {
 enum Result {
     Survived,
     Reported,
-    /// Nothing was said, and nobody but the matrix can know: a shaft without encoder, a frame that passes its check.
+    /// No driver can detect it: a shaft without encoder, a frame that passes its check.
     Unseen,
     /// A busy computer kept a sound device waiting, before the fault.
     Late,
@@ -181,7 +190,7 @@ fn judge(family: Family, trial: &Trial, cell: &Cell) -> std::result::Result<Resu
     let expected = expected(family, trial.fault, trial.doing);
     let passes = passes_the_check(family, trial.fault);
     let result = match &cell.outcome {
-        // A plan that is over before its axis could follow it is no different.
+        // A plan that ended before its axis could follow it is late too.
         Outcome::Told(DriveError::Timeout { .. }) | Outcome::Lost(_) if !cell.struck => {
             Result::Late
         }
@@ -255,7 +264,7 @@ impl Soak {
         self.counts.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The life of a worker: its events from the first on, until the last or until the machine time is over.
+    /// Makes the events of a worker up to the last, or until its machine time is over.
     fn live(&self, worker: usize, events: std::ops::RangeInclusive<usize>, machine_ns: i64) {
         let family = family(self.seed, worker);
         let clock = RigClock::new(SPEED);
@@ -328,7 +337,7 @@ impl Soak {
         let mut text = format!("{worker}.{event}: {family:?}, {trial:?}: {why}\n  alone:\n");
         text += &again(event.to_string());
         if first != event {
-            text += "\n  with all that its device had been through:\n";
+            text += "\n  with all earlier events of its device:\n";
             text += &again(format!("{first}-{event}"));
         }
         println!("{text}");
@@ -337,9 +346,9 @@ impl Soak {
 }
 
 /// Message of a panic.
-fn words(panic: &(dyn Any + Send)) -> &str {
+pub(crate) fn words(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("without words")
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
 }
 
 /// Worker and events of `WORKER.EVENT` or `WORKER.FIRST-LAST`.
@@ -412,6 +421,7 @@ fn a_soak_leaves_no_axis_moving_and_no_event_unreported() {
     #[expect(clippy::cast_precision_loss, reason = "seconds")]
     print(&counts, wall.now_ns() as f64 * 1e-9);
     assert!(counts.failures.is_empty(), "\n{}", counts.failures.join("\n"));
+    assert!(!counts.faults.is_empty(), "nothing was made");
     // As in the matrix: a busy computer may keep a sound device waiting now and then.
     let of = |result| counts.faults.iter().filter(move |((_, of), _)| *of == result);
     let number = |result| of(result).map(|(_, count)| count).sum::<usize>();

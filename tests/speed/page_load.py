@@ -133,6 +133,10 @@ def main() -> None:
         print(f"{row['status']:<7} {'yes' if row['clients'] else 'no':<8} {'yes' if row['browser'] else 'no':<8} {row['requests_per_s']:10.0f}"
               f"  {late['p99_us']:6.0f} µs  {late['max_us']:5.0f} µs  {row['gap_ms']:8.1f} ms  {row['drives_mm']:7.3f} mm"
               f"  {row['memory_mb']:4.0f} MB  {row['end_s']:.2f} s")
+    if not all(row["browser"] for row in rows if row["clients"]):
+        print("without a browser: there is no chromium here")
+    if not all(row["requests_per_s"] > 100 for row in rows if row["clients"]):
+        sys.exit("hardly a request is answered")
     if any(row["status"] != 0 or row["end_s"] > LONGEST_END_S for row in rows):
         sys.exit("a run has failed, or its page ends too late")
 

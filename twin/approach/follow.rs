@@ -68,7 +68,7 @@ fn at_rest_there(
             return Err(FollowError::Interrupted);
         }
         let now_ns = clock.now_ns();
-        // Overdue set-points would be a jump.
+        // Overdue set-points would be a jump. Emulated drives jump, as in a run.
         if !is_complete && let Some(late) = hardware.starved(now_ns) {
             return Err(late.into());
         }

@@ -76,7 +76,7 @@ fn list(out: &mut String, key: &str, lines: impl Iterator<Item = String>) -> fmt
 
 fn scale(Scale { min, max, step, unit }: &Scale) -> String {
     let unit = if unit.is_empty() { String::new() } else { format!(", unit = {}", quoted(unit)) };
-    // Only the step of a scale that says none can be smaller: reading computes it again.
+    // Only a computed step can be smaller than the smallest of a file; reading computes it again.
     let step =
         if POSITIVE.contains(step) { format!(", step = {}", Number(*step)) } else { String::new() };
     format!("min = {}, max = {}{step}{unit}", Number(*min), Number(*max))
