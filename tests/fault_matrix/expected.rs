@@ -105,6 +105,9 @@ impl Expected {
     /// Checks that a cell is as expected; the error says why it is not.
     pub(crate) fn check(self, cell: &Cell) -> Result<(), String> {
         cell.usable.as_ref().map_err(|why| format!("not usable afterwards: {why}"))?;
+        if !cell.struck && matches!(cell.outcome, Outcome::Survived) {
+            return Err("its fault has not occurred".to_owned());
+        }
         #[expect(clippy::cast_precision_loss, reason = "a counter")]
         let apart = (cell.truth.counter as f64 - cell.truth.mechanical).abs();
         match (self, &cell.outcome) {

@@ -139,8 +139,7 @@ fn make(row: Row, doing: Doing, speed: u32) -> Made {
     // What is put into the buffer past the driver is not what it watches.
     let buffered = family == Family::Segments && !row.has_encoder();
     let strike = Strike::default();
-    let trial =
-        Trial { fault, doing, seed, frames, buffered, otherwise, strike, may_forget: false };
+    let trial = Trial { fault, doing, seed, frames, buffered, otherwise, strike, lives_on: false };
     let made = cell(family, &trial, RigClock::new(speed));
     let said = match &made.outcome {
         Outcome::Told(error) => expected::Cause::of(error)

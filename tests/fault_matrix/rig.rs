@@ -477,15 +477,15 @@ impl Rig {
         }
     }
 
-    /// Waits until a fault of the device shows at its interface, as far as that takes time. It may have been shown
-    /// before.
-    pub(crate) fn settle(&self, fault: DeviceFault) {
+    /// Waits until a fault of the device shows at its interface, as far as that takes time; true if it does.
+    pub(crate) fn settle(&self, fault: DeviceFault) -> bool {
         match (&self.device, fault) {
             (Device::Board(board, _), DeviceFault::Alarm) => {
                 // The filter of the ENABLE input.
                 while !board.look().expect("the emulator runs").status().enable_open() {
                     std::thread::sleep(Duration::from_millis(1));
                 }
+                true
             }
             (
                 Device::Module(module, ..),
@@ -493,16 +493,14 @@ impl Rig {
             ) => {
                 // The emulator writes its status byte into the file when it next looks at it.
                 let mut memory = MemoryFile::shared(module.path()).expect("it is there");
-                for _ in 0..SETTLING_LOOKS {
+                (0..SETTLING_LOOKS).any(|_| {
+                    std::thread::sleep(Duration::from_millis(1));
                     let mut status = [0];
                     bim2ax::Memory::read(&mut memory, 0xFD, &mut status).expect("it is there");
-                    if status[0] & 1 != 0 {
-                        break;
-                    }
-                    std::thread::sleep(Duration::from_millis(1));
-                }
+                    status[0] & 1 != 0
+                })
             }
-            _ => {}
+            _ => true,
         }
     }
 

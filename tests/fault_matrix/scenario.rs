@@ -147,8 +147,9 @@ pub(crate) struct Trial {
     /// Assumption that differs from the usual one.
     pub(crate) otherwise: Option<Otherwise>,
     pub(crate) strike: Strike,
-    /// True if the driver may have forgotten where it has sent an axis that arrived: more is lost than in the matrix.
-    pub(crate) may_forget: bool,
+    /// True if the device has had other faults before, and lives on. Its driver may then have forgotten where it has sent an
+    /// axis that arrived, and a fault may have been shown before.
+    pub(crate) lives_on: bool,
 }
 
 impl Rig {
@@ -186,7 +187,7 @@ impl Rig {
 
     /// Where the axes rest, if that is where the driver has sent them last, where the devices were to go, and `units`,
     /// the last set-point, by the exact ratio.
-    fn ends(&mut self, units: f64, may_forget: bool) -> Result<Vec<i64>, String> {
+    fn ends(&mut self, units: f64, lives_on: bool) -> Result<Vec<i64>, String> {
         let last = ratio().increments(units).ok_or_else(|| format!("{units} cannot be counted"))?;
         let commanded = self.drive().commanded();
         let count = self.drive().axis_count();
@@ -195,7 +196,7 @@ impl Rig {
         let ends = axes.enumerate().map(|(axis, ((sense, commanded), truth))| {
             let last = sense * last;
             let right = Some(last);
-            let believes = commanded == right || may_forget && commanded.is_none();
+            let believes = commanded == right || lives_on && commanded.is_none();
             if believes && truth.target == right && truth.counter == last {
                 return Ok(last);
             }
@@ -252,7 +253,7 @@ impl Rig {
             Fault::Wire(..) => self.goes_wrong(trial, self.order(trial.otherwise)),
             Fault::Device(fault) => {
                 self.goes_wrong(trial, 0);
-                self.settle(fault);
+                assert!(self.settle(fault) || trial.lives_on, "{fault:?} does not show");
             }
         }
         match self.to(TARGET).and_then(|()| self.rests()) {
@@ -479,7 +480,7 @@ impl Trial {
         };
         let mut ends = None;
         if let (Outcome::Survived | Outcome::Astray(_), Some(last)) = (&outcome, last) {
-            match rig.ends(last, trial.may_forget) {
+            match rig.ends(last, trial.lives_on) {
                 Ok(found) => ends = Some(found),
                 Err(lost) => outcome = Outcome::Lost(lost),
             }

@@ -79,7 +79,7 @@ impl Rig {
             return Outcome::Lost(lost);
         }
         if let Fault::Device(fault) = trial.fault {
-            self.settle(fault);
+            assert!(self.settle(fault) || trial.lives_on, "{fault:?} does not show");
         }
         let rest = Rest(self.clock);
         match stopped {

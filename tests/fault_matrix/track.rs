@@ -106,6 +106,23 @@ fn a_set_point_that_is_lost_shows_and_an_outage_is_allowed_for() {
 }
 
 #[test]
+fn an_axis_catches_up_in_a_fourth_of_a_long_outage() {
+    const MS: i64 = 1_000_000;
+    // 1000 increments/s, looked at every 10 ms but for an outage of 8 s from 1 s on: 2 s and a fourth of it to catch up.
+    let track = |until_ms: i64| {
+        let mut track = Track::default();
+        for time_ms in (0_i64..1000).chain(9000..15_000).step_by(10) {
+            let plan = f64::from(u32::try_from(time_ms).expect("small"));
+            let behind = if (9000..until_ms).contains(&time_ms) { 5000.0 } else { 0.0 };
+            track.note((time_ms * MS, time_ms * MS), (plan, plan), plan - behind);
+        }
+        track
+    };
+    assert!(track(12_900).check(10.0, 1000.0).is_ok());
+    assert!(track(13_100).check(10.0, 1000.0).is_err());
+}
+
+#[test]
 fn outages_in_a_row_add_up() {
     const MS: i64 = 1_000_000;
     // 1000 increments/s, looked at every 10 ms but for two pauses of 100 ms, after each of which the axis is so much farther

@@ -88,7 +88,7 @@ pub enum HardwareError {
         /// How many wait.
         waiting: usize,
     },
-    /// The plan ended before the program did: whoever plans was kept waiting.
+    /// The planned set-points ended before the motion did, in a run or on the way to its start.
     #[error(
         "device `{device}`: the set-points came {late_ms} ms late; the axes were braked where they were"
     )]

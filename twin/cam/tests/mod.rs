@@ -9,6 +9,7 @@ mod hostile;
 mod outputs;
 mod passages;
 mod random;
+mod round_trips;
 mod sampled;
 mod shown;
 mod starts;

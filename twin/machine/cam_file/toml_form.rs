@@ -10,7 +10,7 @@ use std::ops::{Range, RangeInclusive};
 use twin_cam::{
     Action, Cam, CamError, Compile, Element, Kind, Knot, Passage, Scale, Shape, Source, Tappet,
 };
-use twin_number::{counted, significant};
+use twin_number::{counted, readable, significant};
 
 /// Points that a note names.
 const MOST_SHOWN: usize = 5;
@@ -281,8 +281,10 @@ fn check_scale(slave: &Scale, root: &Section<'_>, key: &str) {
     root.complain_at(
         key,
         format!(
-            "the scale of the slave would go from {min:.2e} to {max:.2e}; it must lie between {low:e} and {high:e}: \
-             use smaller positions, velocities and accelerations"
+            "the scale of the slave would go from {} to {}; it must lie between {low:e} and {high:e}: use smaller \
+             positions, velocities and accelerations",
+            readable(*min, 6),
+            readable(*max, 6),
         ),
     );
 }
