@@ -267,7 +267,7 @@ mod tests {
         let slow = Slow { words, fails: 3, written: written.clone() };
         let mut output = Background::open("test", || Ok(slow)).unwrap();
         (1..=5).for_each(|data| output.send(item(data, 1), Duration::ZERO));
-        (1..=5).for_each(|_| word.send(()).unwrap());
+        (1..=3).for_each(|_| word.send(()).unwrap());
         let ended = output.finish(LONG).unwrap_err();
         assert_eq!(ended.cause.kind(), io::ErrorKind::StorageFull);
         assert_eq!((ended.time_ns, ended.line, ended.lost), (30, 3, 6));
