@@ -109,6 +109,11 @@ pub enum RefeedError {
     /// A limit that comes when its line has been written.
     #[error("the limit of line {0} came too late")]
     Late(u32),
+    /// A line that may be executed several times has several limits.
+    #[error(
+        "line {0} begins a loop or subroutine: feeds of such a program cannot be rewritten line by line"
+    )]
+    Repeated(u32),
 }
 
 /// Interface to a dialect: the edits of each line.

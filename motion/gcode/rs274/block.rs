@@ -1,6 +1,9 @@
 //! Block: the words of one line.
 
 use super::error::{DecodeError, Problem};
+use super::flow::FlowError;
+use super::message::Message;
+use super::parameters::Target;
 use super::word::{CodeError, GWords, MWords};
 use std::ops::Range;
 
@@ -106,6 +109,13 @@ impl Letters {
     }
 }
 
+/// A parameter and its new value.
+#[derive(Clone, Debug)]
+pub(super) struct Assignment {
+    pub(super) target: Target,
+    pub(super) value: f64,
+}
+
 /// A line but for its comments.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block {
@@ -113,6 +123,12 @@ pub(super) struct Block {
     pub(super) number: Option<u32>,
     pub(super) g: GWords,
     pub(super) m: MWords,
+    /// M98 or M99.
+    pub(super) subroutine: Option<u16>,
+    /// Parameters that are set.
+    pub(super) assignments: Vec<Assignment>,
+    /// The last comment, if it is a message.
+    pub(super) message: Option<Message>,
     present: Letters,
     values: [f64; 26],
     columns: [(u32, u32); 26],
@@ -134,6 +150,9 @@ impl Block {
         self.number = None;
         self.g = GWords::default();
         self.m = MWords::default();
+        self.subroutine = None;
+        self.assignments.clear();
+        self.message = None;
         self.present = Letters::default();
         self.m_count = 0;
     }
@@ -143,6 +162,9 @@ impl Block {
         self.present == Letters::default()
             && self.g == GWords::default()
             && self.m == MWords::default()
+            && self.subroutine.is_none()
+            && self.assignments.is_empty()
+            && self.message.is_none()
     }
 
     /// Its words with a number of their own.
@@ -238,10 +260,39 @@ impl Block {
             return Err(DecodeError::TooManyMWords(MAX_M_WORDS));
         }
         let number = whole_number(value, WHOLE, 999).ok_or_else(unsupported)?;
+        if matches!(number, 98 | 99) {
+            let before = self.subroutine.replace(number);
+            let conflict = DecodeError::Conflict { letter: 'M', number: value };
+            return if before.is_none() { Ok(()) } else { Err(conflict) };
+        }
         self.m.add(number).map_err(|error| match error {
             CodeError::Unsupported => unsupported(),
             CodeError::Conflict => DecodeError::Conflict { letter: 'M', number: value },
         })
+    }
+
+    /// Program and number of calls of M98; both 0 for M99.
+    ///
+    /// # Errors
+    /// [`FlowError::MissingProgram`], [`FlowError::Beside`] and those of the numbers.
+    pub(super) fn check_subroutine(&self, m: u16) -> Result<(u32, u32), Problem> {
+        let used = if m == 98 { Letters::of(&[Letter::L, Letter::P]) } else { Letters::default() };
+        let other = self.letters().without(used).first();
+        let code = match (self.g == GWords::default(), self.m == MWords::default()) {
+            (false, _) => Some('G'),
+            (_, false) => Some('M'),
+            _ => None,
+        };
+        if let Some(letter) = other.map(Letter::as_char).or(code) {
+            let columns = other.and_then(|letter| self.columns(letter));
+            return Err(Problem { columns, error: FlowError::Beside(letter).into() });
+        }
+        if m != 98 {
+            return Ok((0, 0));
+        }
+        let program = self.whole(Letter::P, 0)?;
+        let program = program.ok_or(DecodeError::from(FlowError::MissingProgram))?;
+        Ok((program, self.whole(Letter::L, 0)?.unwrap_or(1)))
     }
 
     /// The number of a word that takes whole numbers of at least `min`; `None` if it is not there.

@@ -2,11 +2,13 @@
 
 use super::block::Block;
 use super::error::{DecodeError, Failure, Item, Problem};
-use super::lexer::{self, Line};
+use super::flow::{Control, Effect, Flow, FlowError, Keyword};
+use super::lexer::{self, Lexer};
 use super::options::{DecoderOptions, PathMode, Position};
 use super::output::Output;
+use super::source::{Reading, Source, Spot};
 use super::state::State;
-use std::io::{self, BufRead, Read};
+use std::io::{self, BufRead};
 use std::iter::FusedIterator;
 use twin_path::Place;
 
@@ -23,10 +25,10 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 #[derive(Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each has a name of its own")]
 pub struct Decoder<R> {
-    pub(super) reader: R,
+    pub(super) source: Source<R>,
+    pub(super) flow: Flow,
     skip_suppressed_blocks: bool,
     line: Vec<u8>,
-    line_number: u32,
     program_number: Option<u32>,
     /// There was a `%`, or anything else but comments and blanks.
     begun: bool,
@@ -46,10 +48,10 @@ impl<R: BufRead> Decoder<R> {
     /// Decodes the program in `reader`.
     pub fn new(reader: R, options: DecoderOptions) -> Self {
         Self {
-            reader,
+            source: Source::new(reader, options.subroutine_folders.clone()),
+            flow: Flow::new(options.flow_limits),
             skip_suppressed_blocks: options.skip_suppressed_blocks,
             line: Vec::new(),
-            line_number: 0,
             program_number: None,
             begun: false,
             under_way: false,
@@ -67,9 +69,9 @@ impl<R: BufRead> Decoder<R> {
         self.program_number
     }
 
-    /// Lines read so far.
+    /// Lines read so far; those of loops count once.
     pub fn lines(&self) -> u32 {
-        self.line_number
+        self.source.lines()
     }
 
     /// Position of the machine after the blocks read so far.
@@ -95,96 +97,102 @@ impl<R: BufRead> Decoder<R> {
     /// Kept memory: bytes of the line, and items that nobody has taken yet.
     #[cfg(test)]
     pub(super) fn capacity(&self) -> usize {
-        self.line.capacity() + self.problems.capacity() + self.out.items.capacity()
-    }
-
-    /// Reads the next line; false at the end of the program.
-    fn read_line(&mut self) -> io::Result<bool> {
-        self.line.clear();
-        let limit = MAX_LINE_BYTES as u64 + 1;
-        if self.reader.by_ref().take(limit).read_until(b'\n', &mut self.line)? == 0 {
-            return Ok(false);
-        }
-        self.line_number = self.line_number.saturating_add(1);
-        self.out.place = Place { line: self.line_number, block: None };
-        if self.line.len() > MAX_LINE_BYTES {
-            if self.line.last() != Some(&b'\n') {
-                self.reader.skip_until(b'\n')?;
-            }
-            self.line.clear();
-            self.state.forgive_missing_feed();
-            self.out.error(None, DecodeError::LineTooLong(MAX_LINE_BYTES));
-        }
-        Ok(true)
+        self.line.capacity()
+            + self.source.capacity()
+            + self.problems.capacity()
+            + self.out.items.capacity()
     }
 
     /// Reads and carries out the next line, or finds that there is none.
     pub(super) fn step(&mut self) -> io::Result<()> {
         self.block.clear();
-        if self.read_line()? {
-            self.decode_line();
-            if self.ended {
-                self.state.end(&mut self.out);
+        let at = self.flow.next;
+        match self.source.read(at, self.flow.keeps(), &mut self.line)? {
+            Reading::Line => {
+                self.arrive(at);
+                self.decode_line(at);
+                if self.ended {
+                    self.state.end(&mut self.out);
+                }
             }
-        } else {
-            self.ended = true;
-            self.out.place = Place { line: self.line_number.max(1), block: None };
-            self.out.warning(None, DecodeError::MissingEnd);
-            self.out.place = self.last;
-            self.state.end(&mut self.out);
+            Reading::TooLong => {
+                self.arrive(at);
+                self.state.forgive_missing_feed();
+                self.out.error(None, DecodeError::LineTooLong(MAX_LINE_BYTES));
+            }
+            Reading::End => self.end_file(at),
         }
         Ok(())
     }
 
-    fn decode_line(&mut self) {
-        let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
-        let mut at = 0;
-        if self.line_number == 1 && line.starts_with(BYTE_ORDER_MARK) {
-            at = BYTE_ORDER_MARK.len();
+    /// The line behind `at` is at hand.
+    fn arrive(&mut self, at: Spot) {
+        let line = at.line.saturating_add(1);
+        self.flow.next.line = line;
+        self.state.parameters.line = line;
+        let shown = at.file.map_or(line, |_| self.flow.main_line());
+        self.out.place = Place { line: shown, block: None };
+        self.out.file = at.file.map(|file| (self.source.file_name(file), line));
+    }
+
+    /// The file has no line behind `at`.
+    fn end_file(&mut self, at: Spot) {
+        self.out.place = Place { line: self.lines().max(1), block: None };
+        self.out.file = at.file.map(|file| (self.source.file_name(file), at.line));
+        let main_line = self.flow.main_line();
+        if let Some((error, line, effect)) = self.flow.at_end() {
+            // A file that misses a part of itself is that of the call.
+            self.out.place.line = if at.file.is_some() { main_line } else { line };
+            self.out.error(None, error.into());
+            self.apply(effect);
+            return;
         }
-        match line.get(at..).and_then(|line| line.iter().find(|byte| !byte.is_ascii_whitespace())) {
+        self.ended = true;
+        self.out.warning(None, DecodeError::MissingEnd);
+        self.out.place = self.last;
+        self.state.end(&mut self.out);
+    }
+
+    fn decode_line(&mut self, at: Spot) {
+        let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
+        let mut begin = 0;
+        if at.line == 0 && line.starts_with(BYTE_ORDER_MARK) {
+            begin = BYTE_ORDER_MARK.len();
+        }
+        let rest = line.get(begin..).unwrap_or_default();
+        match rest.iter().find(|byte| !byte.is_ascii_whitespace()) {
             None => return,
-            Some(b'%') if line.get(at..).is_some_and(|line| line.trim_ascii() == b"%") => {
-                self.ended = std::mem::replace(&mut self.begun, true);
+            Some(b'%') if rest.trim_ascii() == b"%" => {
+                // Those of subroutine files and of parts that are passed over mean nothing.
+                if at.file.is_none() && !self.flow.searches() {
+                    self.ended = std::mem::replace(&mut self.begun, true);
+                }
                 return;
             }
             Some(b'/') if self.skip_suppressed_blocks => return,
             Some(b'/') => {
-                at = line.iter().position(|byte| *byte == b'/').unwrap_or_default() + 1;
+                begin = line.iter().position(|byte| *byte == b'/').unwrap_or_default() + 1;
             }
             Some(_) => {}
         }
-        let kind = lexer::lex(line, at, &mut self.block, &mut self.problems);
-        self.out.place.block = self.block.number;
-        if let Line::ProgramNumber { start, end } = kind {
-            if self.under_way {
-                let reason = super::UnsupportedReason::Subroutine;
-                self.out.error(Some(start..end), DecodeError::Unsupported(reason));
-            } else {
-                let digits = line.get(start + 1..end).unwrap_or_default();
-                let digits = digits.iter().filter(|byte| byte.is_ascii_digit());
-                self.program_number =
-                    digits.map(|byte| u32::from(byte - b'0')).try_fold(0_u32, |number, digit| {
-                        number.checked_mul(10).and_then(|n| n.checked_add(digit))
-                    });
-            }
-            (self.begun, self.under_way) = (true, true);
+        if self.flow.searches() {
+            self.pass_over(at, begin);
             return;
         }
-        if self.problems.is_empty() {
-            if self.block.is_empty() {
-                return;
+        let control = lexer::lex(line, begin, &self.state, &mut self.block, &mut self.problems);
+        self.out.place.block = self.block.number;
+        if let Some((label, keyword, values)) = control {
+            let control = Lexer::new(line, values, &self.state).control(label, keyword);
+            match control {
+                Ok(control) => self.control(control, at),
+                Err(problem) => self.problems.push(problem),
             }
-            (self.begun, self.under_way) = (true, true);
-            self.last = self.out.place;
-            match self.state.execute(&self.block, &mut self.out) {
-                Ok(true) => {}
-                Ok(false) => self.ended = true,
-                Err(Problem { columns, error }) => {
-                    self.state.adopt(&self.block);
-                    self.out.error(columns, error);
-                    self.ended = matches!(self.block.m.stop, Some(2 | 30));
-                }
+        }
+        if self.problems.is_empty() {
+            if !self.block.is_empty() {
+                (self.begun, self.under_way) = (true, true);
+                self.last = self.out.place;
+                self.execute();
             }
             return;
         }
@@ -196,6 +204,126 @@ impl<R: BufRead> Decoder<R> {
             self.out.error(columns, error);
         }
         self.ended = matches!(self.block.m.stop, Some(2 | 30));
+    }
+
+    /// Carries out the block.
+    fn execute(&mut self) {
+        if let Some(message) = self.block.message.take() {
+            self.out.warning(None, DecodeError::Message(message));
+        }
+        for assignment in std::mem::take(&mut self.block.assignments) {
+            self.state.set_parameter(&assignment.target, assignment.value);
+        }
+        if let Some(number) = self.block.subroutine {
+            match self.block.check_subroutine(number).and_then(|count| self.go(number, count)) {
+                Ok(()) => {}
+                Err(Problem { columns, error }) => self.out.error(columns, error),
+            }
+            return;
+        }
+        match self.state.execute(&self.block, &mut self.out) {
+            Ok(true) => {}
+            Ok(false) => self.ended = true,
+            Err(Problem { columns, error }) => {
+                self.state.adopt(&self.block);
+                self.out.error(columns, error);
+                self.ended = matches!(self.block.m.stop, Some(2 | 30));
+            }
+        }
+    }
+
+    /// Carries out M98 with the number of a subroutine and of its calls, or M99.
+    fn go(&mut self, m: u16, (program, count): (u32, u32)) -> Result<(), Problem> {
+        let effect = if m == 98 {
+            self.flow.call_numbered(program.into(), count)
+        } else if self.flow.is_in_subroutine() {
+            self.flow.return_numbered()
+        } else {
+            self.out.warning(None, FlowError::EndlessProgram.into());
+            self.ended = true;
+            return Ok(());
+        };
+        let effect = effect.map_err(DecodeError::from)?;
+        self.apply(effect);
+        Ok(())
+    }
+
+    /// Carries out a line of flow control.
+    fn control(&mut self, control: Control, at: Spot) {
+        if control.keyword == Keyword::Program && !self.under_way {
+            self.program_number = control.label.text().parse().ok();
+        }
+        (self.begun, self.under_way) = (true, true);
+        match self.flow.execute(control, at) {
+            Ok(effect) => self.apply(effect),
+            Err(error) => {
+                self.ended = matches!(error, FlowError::Endless(_) | FlowError::TooDeep(_));
+                self.out.error(None, error.into());
+            }
+        }
+        if self.flow.keeps() {
+            self.source.keep(at, &self.line);
+        }
+    }
+
+    /// Looks for the line that ends the search in the line at hand.
+    fn pass_over(&mut self, at: Spot, begin: usize) {
+        let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
+        let mut lexer = Lexer::new(line, begin, &self.state);
+        if matches!(lexer.peek(), Some(b'N' | b'n')) && lexer.block_number(&mut self.block).is_err()
+        {
+            return;
+        }
+        if !matches!(lexer.peek(), Some(b'O' | b'o')) {
+            return;
+        }
+        // A line that is passed over may be as wrong as it likes.
+        let Ok((label, keyword)) = lexer.label() else { return };
+        if !self.flow.finds(&label, keyword) {
+            if let Err(error) = self.flow.check_nested(keyword) {
+                self.out.error(None, error.into());
+            }
+            return;
+        }
+        self.out.place.block = self.block.number;
+        let decided = self.flow.is_decided(&label, keyword);
+        match if decided {
+            Ok(Control::untested(label, keyword))
+        } else {
+            lexer.control(label, keyword)
+        } {
+            Ok(control) => self.control(control, at),
+            Err(Problem { columns, error }) => self.out.error(columns, error),
+        }
+    }
+
+    /// Lets parameters and files follow the flow of control.
+    fn apply(&mut self, effect: Effect) {
+        match effect {
+            Effect::None => {}
+            Effect::Enter { arguments, unknown } => {
+                let saved = self.state.parameters.enter(arguments.as_deref());
+                self.flow.save(saved);
+                let Some(label) = unknown else { return };
+                match self.source.open(label.text()) {
+                    Ok(Some(file)) => self.flow.go_to_file(file),
+                    // Perhaps it follows.
+                    Ok(None) => {}
+                    Err(cause) => {
+                        let (label, cause) = (label.to_string(), cause.to_string());
+                        self.out.error(None, FlowError::File { label, cause }.into());
+                    }
+                }
+            }
+            Effect::Again => {
+                self.state.parameters.leave(None);
+                self.state.parameters.enter(None);
+            }
+            Effect::Leave { saved, value } => {
+                self.state.parameters.leave(saved);
+                self.state.parameters.returned = value;
+            }
+        }
     }
 }
 

@@ -1,5 +1,9 @@
 //! Decode errors and warnings, with line and columns.
 
+use super::expression::ExpressionError;
+use super::flow::FlowError;
+use super::message::Message;
+use super::parameters::ParameterError;
 use crate::decode;
 use crate::decode::{Rule, TextError};
 use std::ops::Range;
@@ -12,27 +16,6 @@ pub type Diagnostic = decode::Diagnostic<DecodeError>;
 pub type Failure = decode::Failure<DecodeError>;
 /// Output item of the decoder.
 pub type Item = decode::Item<DecodeError>;
-
-/// Unsupported part of the language that is not a word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum UnsupportedReason {
-    /// `#`.
-    Parameter,
-    /// `[ ]`, functions.
-    Expression,
-    /// O words but for the program's number.
-    Subroutine,
-}
-
-impl std::fmt::Display for UnsupportedReason {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Parameter => "parameters (#)",
-            Self::Expression => "expressions ([ ])",
-            Self::Subroutine => "O words other than a number at the beginning of the program",
-        })
-    }
-}
 
 /// Error or warning of a block. Numbers are in the units of the program unless said otherwise.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -191,9 +174,31 @@ pub enum DecodeError {
         /// Its number.
         number: f64,
     },
-    /// Unsupported part that is not a word.
-    #[error("{0} are not supported")]
-    Unsupported(UnsupportedReason),
+    /// A value that cannot be computed.
+    #[error(transparent)]
+    Expression(#[from] ExpressionError),
+    /// A parameter that cannot be read or set.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// Loops, conditions and subroutines.
+    #[error(transparent)]
+    Flow(#[from] FlowError),
+    /// A message of the program. A note.
+    #[error("{}: {}", .0.kind, .0.text)]
+    Message(Message),
+    /// Something wrong in a subroutine file.
+    #[error("{file} line {line}: {error}")]
+    InFile {
+        /// Name of the file.
+        file: String,
+        /// Its line, counted from 1.
+        line: u32,
+        /// The error.
+        error: Box<DecodeError>,
+    },
+    /// An O word behind other words.
+    #[error("O must be the first word of its block, or follow its N")]
+    MisplacedLabel,
     /// G2 or G3 with neither R nor a centre.
     #[error("an arc needs its radius R or its centre")]
     ArcWithoutCenter,
@@ -271,9 +276,8 @@ fn lacking(probing: Probing) -> &'static str {
 impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
-            Self::UnsupportedLetter(_) | Self::UnsupportedCode { .. } | Self::Unsupported(_) => {
-                Rule::UnsupportedWord
-            }
+            Self::InFile { error, .. } => error.rule(),
+            Self::UnsupportedLetter(_) | Self::UnsupportedCode { .. } => Rule::UnsupportedWord,
             Self::ArcWithoutCenter
             | Self::RadiusAndCenter
             | Self::CenterOutsidePlane(_)
@@ -285,6 +289,14 @@ impl TextError for DecodeError {
             | Self::CenterMismatch { .. } => Rule::ArcGeometry,
             Self::ProbeTripped(_) | Self::ProbeNotTripped(_) | Self::ProbeUnknown(_) => Rule::Probe,
             _ => Rule::Syntax,
+        }
+    }
+
+    fn is_note(&self) -> bool {
+        match self {
+            Self::Message(_) => true,
+            Self::InFile { error, .. } => error.is_note(),
+            _ => false,
         }
     }
 }
@@ -300,5 +312,11 @@ impl From<DecodeError> for Problem {
     /// An error of the line as a whole.
     fn from(error: DecodeError) -> Self {
         Self { columns: None, error }
+    }
+}
+
+impl From<ExpressionError> for Problem {
+    fn from(error: ExpressionError) -> Self {
+        DecodeError::from(error).into()
     }
 }

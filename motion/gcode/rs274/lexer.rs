@@ -1,84 +1,81 @@
 //! Lexer: the bytes of a line to words.
 
-use super::block::Block;
-use super::error::{DecodeError, Problem, UnsupportedReason};
+use super::block::{Assignment, Block};
+use super::error::{DecodeError, Problem};
+use super::expression::ExpressionError;
+use super::flow::{Keyword, Label};
+use super::message::Message;
+use super::state::State;
 use crate::number;
-
-/// The functions whose names may follow a letter in place of a number.
-const FUNCTIONS: [&[u8]; 15] = [
-    b"ABS", b"ACOS", b"ASIN", b"ATAN", b"COS", b"EXISTS", b"EXP", b"FIX", b"FUP", b"LN", b"ROUND",
-    b"SIN", b"SQRT", b"TAN", b"MOD",
-];
-
-/// Kind of a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Line {
-    /// Words, or nothing.
-    Words,
-    /// An O word with a number and nothing else; the bytes of it.
-    ProgramNumber {
-        /// First byte.
-        start: usize,
-        /// Behind the last one.
-        end: usize,
-    },
-}
 
 /// Reads the words of `line`, from byte `at` on, into `block`, and its errors into `problems`.
 ///
 /// Blanks mean nothing, not even within numbers. A word that is well formed but of no use is left out and the words
 /// after it are still read. After bytes that are not a word nothing more is read: what would follow are errors of
-/// guessing where the next word begins.
-pub(super) fn lex(line: &[u8], at: usize, block: &mut Block, problems: &mut Vec<Problem>) -> Line {
-    let mut lexer = Lexer { line, at };
-    let mut kind = Line::Words;
+/// guessing where the next word begins. Values are those of the parameters before this line. Returns the label and the
+/// keyword of a line of flow control, and where its values begin.
+pub(super) fn lex(
+    line: &[u8],
+    at: usize,
+    state: &State,
+    block: &mut Block,
+    problems: &mut Vec<Problem>,
+) -> Option<(Label, Keyword, usize)> {
+    let mut lexer = Lexer::new(line, at, state);
     match lexer.peek() {
         Some(b'N' | b'n') => {
             if let Err(problem) = lexer.block_number(block) {
                 problems.push(problem);
-                return kind;
+                return None;
             }
         }
         // Most lines.
         Some(_) => {}
-        None => return kind,
+        None => return None,
     }
     if matches!(lexer.peek(), Some(b'O' | b'o')) {
-        match lexer.program_number() {
-            Ok(number) => kind = number,
-            Err(problem) => {
-                problems.push(problem);
-                return kind;
-            }
+        match lexer.label() {
+            Ok((label, keyword)) => return Some((label, keyword, lexer.at)),
+            Err(problem) => problems.push(problem),
         }
+        return None;
     }
     while let Some(byte) = lexer.peek() {
         let result = match byte {
-            b';' => return kind,
-            b'(' => lexer.comment(),
+            b';' => return None,
+            b'(' => lexer.comment().map(|comment| block.message = comment),
+            b'#' => lexer.assignment(block),
             _ if byte.is_ascii_alphabetic() => lexer.word(byte, block, problems),
             _ => Err(lexer.unexpected(byte)),
         };
         if let Err(problem) = result {
             problems.push(problem);
-            return kind;
+            return None;
         }
     }
-    kind
+    None
 }
 
-struct Lexer<'a> {
-    line: &'a [u8],
-    at: usize,
+/// A line on the way to its words.
+pub(super) struct Lexer<'a> {
+    pub(super) line: &'a [u8],
+    pub(super) at: usize,
+    /// Nesting of the value at hand.
+    pub(super) depth: u32,
+    pub(super) state: &'a State,
 }
 
 fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b'\r' | b'\x0b' | b'\x0c')
 }
 
-impl Lexer<'_> {
+impl<'a> Lexer<'a> {
+    pub(super) fn new(line: &'a [u8], at: usize, state: &'a State) -> Self {
+        Self { line, at, depth: 0, state }
+    }
+
     /// The next byte that is not blank; it is at `self.at` then.
-    fn peek(&mut self) -> Option<u8> {
+    pub(super) fn peek(&mut self) -> Option<u8> {
         loop {
             let byte = *self.line.get(self.at)?;
             if !is_blank(byte) {
@@ -88,12 +85,46 @@ impl Lexer<'_> {
         }
     }
 
-    fn problem(&self, start: usize, end: usize, error: DecodeError) -> Problem {
+    pub(super) fn problem(&self, start: usize, end: usize, error: DecodeError) -> Problem {
         Problem { columns: Some(start..end.min(self.line.len())), error }
     }
 
-    /// The comment that begins here. It may contain any bytes.
-    fn comment(&mut self) -> Result<(), Problem> {
+    /// An error of what has been read from `start` on.
+    pub(super) fn since(&self, start: usize, error: impl Into<DecodeError>) -> Problem {
+        self.problem(start, self.at.max(start + 1), error.into())
+    }
+
+    /// Where `text`, in upper case, ends if it is here.
+    pub(super) fn end_of(&self, text: &[u8]) -> Option<usize> {
+        let mut at = self.at;
+        for byte in text {
+            while self.line.get(at).is_some_and(|byte| is_blank(*byte)) {
+                at += 1;
+            }
+            if self.line.get(at)?.to_ascii_uppercase() != *byte {
+                return None;
+            }
+            at += 1;
+        }
+        Some(at)
+    }
+
+    /// Reads to the end of a line on which only comments are left.
+    pub(super) fn only_comments(&mut self) -> Result<(), Problem> {
+        while let Some(byte) = self.peek() {
+            match byte {
+                b';' => break,
+                b'(' => {
+                    self.comment()?;
+                }
+                _ => return Err(self.unexpected(byte)),
+            }
+        }
+        Ok(())
+    }
+
+    /// The comment that begins here, if it is a message. It may contain any bytes.
+    pub(super) fn comment(&mut self) -> Result<Option<Message>, Problem> {
         let inside = self.at + 1;
         let rest = self.line.get(inside..).unwrap_or_default();
         let end = rest.iter().position(|byte| matches!(byte, b'(' | b')'));
@@ -105,6 +136,17 @@ impl Lexer<'_> {
             return Err(self.problem(end, end + 1, DecodeError::NestedComment));
         }
         self.at = end + 1;
+        Ok(Message::of_comment(rest.get(..length).unwrap_or_default(), self.state))
+    }
+
+    /// The parameter that is set here: `#1 = 2`.
+    fn assignment(&mut self, block: &mut Block) -> Result<(), Problem> {
+        let start = self.at;
+        let target = self.parameter()?;
+        self.expect('=')?;
+        let value = self.value()?;
+        self.state.check_settable(&target).map_err(|error| self.since(start, error))?;
+        block.assignments.push(Assignment { target, value });
         Ok(())
     }
 
@@ -121,47 +163,55 @@ impl Lexer<'_> {
             b'N' => {
                 return Err(self.problem(start, start + 1, DecodeError::MisplacedBlockNumber));
             }
-            b'O' => return Err(self.unsupported(start, UnsupportedReason::Subroutine)),
+            b'O' => {
+                return Err(self.problem(start, start + 1, DecodeError::MisplacedLabel));
+            }
             _ => self.at += 1,
         }
         match self.peek() {
-            Some(b'0'..=b'9' | b'.' | b'+' | b'-') => {}
-            Some(b'#') => return Err(self.unsupported(start, UnsupportedReason::Parameter)),
-            Some(b'[') => return Err(self.unsupported(start, UnsupportedReason::Expression)),
-            Some(next) if next.is_ascii_alphabetic() && self.is_function() => {
-                return Err(self.unsupported(start, UnsupportedReason::Expression));
-            }
+            Some(b'0'..=b'9' | b'.' | b'+' | b'-' | b'#' | b'[') => {}
+            Some(next) if next.is_ascii_alphabetic() && self.is_function() => {}
             _ => {
                 return Err(self.problem(start, start + 1, DecodeError::MissingNumber(letter)));
             }
         }
-        let value = self.number();
+        let value = if self.is_number() { self.plain_number() } else { self.value().map(Some)? };
         let columns = start..self.at;
         match value {
-            Ok(Some(value)) => block.add(upper, value, columns, problems),
-            Ok(None) => problems.push(Problem {
+            Some(value) => block.add(upper, value, columns, problems),
+            None => problems.push(Problem {
                 columns: Some(columns),
                 error: DecodeError::InvalidNumber(letter),
             }),
-            // A sign, and then something else.
-            Err(reason) => return Err(self.unsupported(start, reason)),
         }
         Ok(())
     }
 
+    /// True if a number begins here, perhaps with a sign.
+    pub(super) fn is_number(&self) -> bool {
+        match self.line.get(self.at) {
+            Some(b'0'..=b'9' | b'.') => true,
+            Some(b'+' | b'-') => {
+                let rest = self.line.get(self.at + 1..).unwrap_or_default();
+                let next = rest.iter().find(|byte| !is_blank(**byte));
+                matches!(next, Some(b'0'..=b'9' | b'.'))
+            }
+            _ => false,
+        }
+    }
+
+    /// The number that begins here.
+    pub(super) fn number(&mut self) -> Result<f64, Problem> {
+        let start = self.at;
+        self.plain_number().ok_or_else(|| self.since(start, ExpressionError::NotNumber))
+    }
+
     /// The number that begins here; `None` if it is none. Leaves `self.at` behind its last byte.
-    ///
-    /// # Errors
-    /// If a sign is followed by a parameter or an expression.
-    fn number(&mut self) -> Result<Option<f64>, UnsupportedReason> {
+    fn plain_number(&mut self) -> Option<f64> {
         let start = self.at;
         if matches!(self.line.get(self.at), Some(b'+' | b'-')) {
             self.at += 1;
-            match self.peek() {
-                Some(b'#') => return Err(UnsupportedReason::Parameter),
-                Some(b'[') => return Err(UnsupportedReason::Expression),
-                _ => {}
-            }
+            self.peek();
         }
         let (mut end, mut blanks) = (self.at, self.at > start + 1);
         while let Some(byte) = self.line.get(self.at) {
@@ -178,14 +228,14 @@ impl Lexer<'_> {
         self.at = end;
         let text = self.line.get(start..end).unwrap_or_default();
         if !blanks {
-            return Ok(number::parse(text));
+            return number::parse(text);
         }
         let digits: Vec<u8> = text.iter().copied().filter(|byte| !is_blank(*byte)).collect();
-        Ok(number::parse(&digits))
+        number::parse(&digits)
     }
 
     /// The N word that begins here: digits, and perhaps a point and more digits, which are not kept.
-    fn block_number(&mut self, block: &mut Block) -> Result<(), Problem> {
+    pub(super) fn block_number(&mut self, block: &mut Block) -> Result<(), Problem> {
         let start = self.at;
         self.at += 1;
         let (mut number, mut digits) = (Some(0_u32), 0);
@@ -209,41 +259,10 @@ impl Lexer<'_> {
         Ok(())
     }
 
-    /// The O word that begins here, if it is a program's number: digits, and nothing but comments behind it.
-    fn program_number(&mut self) -> Result<Line, Problem> {
-        let start = self.at;
-        self.at += 1;
-        let (mut end, mut digits) = (self.at, 0);
-        while let Some(b'0'..=b'9') = self.peek() {
-            self.at += 1;
-            digits += 1;
-            end = self.at;
-        }
-        match self.peek() {
-            None | Some(b'(' | b';') if digits > 0 => Ok(Line::ProgramNumber { start, end }),
-            _ => Err(self.unsupported(start, UnsupportedReason::Subroutine)),
-        }
-    }
-
-    /// True if a function's name and a bracket follow.
-    fn is_function(&self) -> bool {
-        let rest = self.line.get(self.at..).unwrap_or_default();
-        FUNCTIONS.iter().any(|name| {
-            rest.get(..name.len()).is_some_and(|head| head.eq_ignore_ascii_case(name))
-                && rest.iter().skip(name.len()).find(|byte| !is_blank(**byte)) == Some(&b'[')
-        })
-    }
-
-    fn unsupported(&self, start: usize, reason: UnsupportedReason) -> Problem {
-        self.problem(start, self.line.len(), DecodeError::Unsupported(reason))
-    }
-
     /// The character here does not begin a word.
     fn unexpected(&self, byte: u8) -> Problem {
         let at = self.at;
         match byte {
-            b'#' => return self.unsupported(at, UnsupportedReason::Parameter),
-            b'[' => return self.unsupported(at, UnsupportedReason::Expression),
             b'@' | b'^' | b'$' => {
                 let letter = char::from(byte);
                 return self.problem(at, at + 1, DecodeError::UnsupportedLetter(letter));

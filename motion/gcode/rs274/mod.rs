@@ -13,10 +13,17 @@
 //! and G92, motion, stop. Hence F in a line with G20 or G21 is in the units of the line before.
 //!
 //! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G20, G21, G28, G30, G38.2 to G38.5, G40, G43, G49,
-//! G53 to G59.3, G61, G64, G80 to G83, G90, G91, G90.1, G91.1, G92 to G92.3, G93, G94, G98, G99, M0 to M9, M30, M60, F, S, T, H, N, one
-//! O word as the program's number, A B C for rotary axes (as the extra axes P Q U, in degrees). Every other word is an
-//! error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
+//! G53 to G59.3, G61, G64, G80 to G83, G90, G91, G90.1, G91.1, G92 to G92.3, G93, G94, G98, G99, M0 to M9, M30, M60, M98,
+//! M99, F, S, T, H, N, A B C for rotary axes (as the extra axes P Q U, in degrees). Every other word is an error that
+//! names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
 //! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
+//!
+//! Values are numbers, parameters (`#1`, `#<name>`), functions and expressions in brackets; see `expression.rs` and
+//! `parameters.rs`. O words are loops, conditions and subroutines, also in files of
+//! [`DecoderOptions::subroutine_folders`], and M98 calls subroutines that end with M99; see `flow.rs`. Loops without end
+//! are errors ([`FlowLimits`]). Lines that may be executed again are kept in memory, those of other programs are not.
+//! Messages (MSG, DEBUG, PRINT, ...) are notes with their text and are not carried out. Elements of a subroutine file
+//! have the line of the call.
 //!
 //! M words: M0, M1, M3 to M9 and M60 are elements at which the path waits
 //! ([`ElementKind::MFunction`](twin_path::ElementKind::MFunction)), so that a spindle has its speed and coolant flows
@@ -28,16 +35,16 @@
 //! as computed from the [`Surroundings`]; the program goes on from there. A probe that does not trip where it must
 //! (G38.2, G38.4), or that has tripped before it moves, is an error, as in LinuxCNC's motion controller. The path stops
 //! at that point; the overshoot of a machine until it is at rest, v² / 2a, is left out. Without surroundings the path
-//! goes to the programmed end, with a warning. There are no parameters, so the program keeps only the position of the
-//! trip (and so G92).
+//! goes to the programmed end, with a warning.
 //!
 //! Differences from LinuxCNC 2.9, whose rules apply otherwise (its documentation, and its interpreter run over
 //! `tests/linuxcnc.rs` and a corpus of CAM output):
 //! - F must be programmed before the first feed move; LinuxCNC's previews begin with a feed of their own.
 //! - A file that ends without M2, M30 or second % gives a warning, and a % at the end is accepted without one at the
 //!   beginning. LinuxCNC refuses both after having run all of the program.
-//! - Lines may be longer than 255 characters; `--1` is not a number; an O number in the middle of a program, which
-//!   LinuxCNC skips, is an unsupported word.
+//! - Lines may be longer than 255 characters.
+//! - `continue` and `break` of a loop act as documented. In LinuxCNC a `break` of a `while` loop also ends the next `do`
+//!   loop after one pass, and a `break` between `continue` and the end of its `do` loop counts although it is passed over.
 //! - After G20 or G21 amid canned cycles G98 returns to the level at which they began. LinuxCNC takes the number of
 //!   the old units for one of the new.
 //! - A block in inverse time (G93) takes the time that F says, and F0 is an error. LinuxCNC's interpreter goes at 0.1
@@ -60,12 +67,17 @@ mod block;
 mod cycle;
 mod decoder;
 mod error;
+mod expression;
+mod flow;
 mod lexer;
+mod message;
 mod offsets;
 mod options;
 mod output;
+mod parameters;
 mod probe;
 mod refeed;
+mod source;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -75,8 +87,12 @@ mod word;
 
 pub use cycle::MAX_CYCLE_MOVES;
 pub use decoder::{Decoder, MAX_LINE_BYTES};
-pub use error::{DecodeError, Diagnostic, Failure, Item, UnsupportedReason};
+pub use error::{DecodeError, Diagnostic, Failure, Item};
+pub use expression::ExpressionError;
+pub use flow::{FlowError, FlowLimits};
+pub use message::Message;
 pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference};
+pub use parameters::ParameterError;
 pub use probe::{ProbePath, ProbeTarget, Surroundings};
 pub use refeed::refeed;
 pub use tool_table::{Tool, ToolTable, ToolTableError};

@@ -54,6 +54,17 @@ impl Offsets {
         self.add_up();
     }
 
+    /// The word of the system in force, in tenths: 540 for G54 to 593 for G59.3.
+    pub(super) fn system_number(&self) -> f64 {
+        const NUMBERS: [f64; 9] = [540.0, 550.0, 560.0, 570.0, 580.0, 590.0, 591.0, 592.0, 593.0];
+        NUMBERS[self.system]
+    }
+
+    /// True if the length of a tool is in force.
+    pub(super) fn has_tool_length(&self) -> bool {
+        self.tool.iter().any(|length| *length != 0.0)
+    }
+
     /// From the tip of the tool to the point whose path it is, m.
     pub(super) fn point_from_tip(&self) -> [f64; 3] {
         match self.reference {

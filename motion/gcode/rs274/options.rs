@@ -1,6 +1,7 @@
 //! Decoder options: units, positions, work offsets, tools, path mode.
 
-use super::{Surroundings, ToolTable};
+use super::{FlowLimits, Surroundings, ToolTable};
+use std::path::PathBuf;
 
 /// Units of length of a program or a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -99,6 +100,10 @@ pub struct DecoderOptions {
     pub probe_settle_ns: i64,
     /// Leaves out the blocks that begin with `/`. Their contents are not checked.
     pub skip_suppressed_blocks: bool,
+    /// Folders in which the files of subroutines are searched for, in this order: `NAME.ngc` for `o<name> call`.
+    pub subroutine_folders: Vec<PathBuf>,
+    /// Limits of loops and calls.
+    pub flow_limits: FlowLimits,
     /// Moves that go nowhere are elements too, as in LinuxCNC's interpreter; else they are left out, as its planner
     /// does, but for probing moves, of which it says how they ended. The path stops at elements of length zero.
     pub keep_empty_moves: bool,
@@ -122,6 +127,8 @@ impl Default for DecoderOptions {
             surroundings: None,
             probe_settle_ns: 0,
             skip_suppressed_blocks: false,
+            subroutine_folders: Vec::new(),
+            flow_limits: FlowLimits::default(),
             keep_empty_moves: true,
         }
     }

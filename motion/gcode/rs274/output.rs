@@ -11,6 +11,8 @@ use twin_path::Place;
 pub(super) struct Output {
     pub(super) items: VecDeque<Result<Item, Failure>>,
     pub(super) place: Place,
+    /// Name and line, if the block is that of a subroutine file.
+    pub(super) file: Option<(String, u32)>,
 }
 
 impl Output {
@@ -24,12 +26,21 @@ impl Output {
     }
 
     pub(super) fn warning(&mut self, columns: Option<Range<usize>>, error: DecodeError) {
-        let diagnostic = Diagnostic { place: self.place, columns, error };
+        let diagnostic = self.diagnostic(columns, error);
         self.items.push_back(Ok(Item::Warning(diagnostic)));
     }
 
     pub(super) fn error(&mut self, columns: Option<Range<usize>>, error: DecodeError) {
-        let diagnostic = Diagnostic { place: self.place, columns, error };
+        let diagnostic = self.diagnostic(columns, error);
         self.items.push_back(Err(diagnostic.into()));
+    }
+
+    fn diagnostic(&self, columns: Option<Range<usize>>, error: DecodeError) -> Diagnostic {
+        let (place, own) = (self.place, columns);
+        let Some((file, line)) = &self.file else {
+            return Diagnostic { place, columns: own, error };
+        };
+        let error = DecodeError::InFile { file: file.clone(), line: *line, error: Box::new(error) };
+        Diagnostic { place, columns: None, error }
     }
 }

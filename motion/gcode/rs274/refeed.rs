@@ -107,10 +107,10 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
         let decoder = &mut self.decoder;
         // F is read before G20 and G21 of its line act.
         let units = decoder.state.units;
-        let text = decoder.reader.get_mut();
+        let text = decoder.source.reader.get_mut();
         text.clear();
         text.extend_from_slice(line);
-        decoder.reader.set_position(0);
+        decoder.source.reader.set_position(0);
         decoder.step()?;
         let mut moves = Moves::default();
         for item in decoder.out.items.drain(..) {
@@ -187,6 +187,9 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Interpreter for Running<I> {
         }
         let units = self.decoder.state.units;
         let moves = self.carry_out(line).map_err(RefeedError::Read)?;
+        if self.decoder.flow.keeps() {
+            return Err(RefeedError::Repeated(self.decoder.lines()));
+        }
         let limit = self.limits.of(self.decoder.lines())?;
         if let Some(rapid) = moves.rapid.filter(|rapid| is_below(limit.rapid, *rapid)) {
             self.report(Reason::Rapid, rapid, limit.rapid, refed);

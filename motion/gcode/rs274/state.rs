@@ -6,6 +6,7 @@ use super::error::{DecodeError, Problem};
 use super::offsets::{Location, Offsets};
 use super::options::{DecoderOptions, LengthUnit, PathMode, Position};
 use super::output::Output;
+use super::parameters::Parameters;
 use super::probe::ProbeTarget;
 use super::tool_table::ToolTable;
 use super::word::{Cycle, Motion, OneShot};
@@ -56,21 +57,25 @@ pub(super) struct State {
 
     pub(super) units: LengthUnit,
     pub(super) plane: Plane,
-    motion: Motion,
+    pub(super) motion: Motion,
     pub(super) relative: bool,
     pub(super) absolute_centers: bool,
     pub(super) inverse_time: bool,
     pub(super) initial_level: bool,
     pub(super) path_mode: PathMode,
     pub(super) feed: Option<Feed>,
+    /// F in force as the program wrote it.
+    pub(super) feed_word: f64,
     pub(super) feed_reported: bool,
     /// The canned cycles in a row, if the last motion was one.
     pub(super) series: Option<Series>,
     pub(super) speed: Option<f64>,
-    spindle_on: bool,
+    /// M3 or M4.
+    pub(super) spindle: Option<u16>,
     coolant_on: bool,
-    selected_tool: Option<u32>,
+    pub(super) selected_tool: Option<u32>,
     pub(super) tool: u32,
+    pub(super) parameters: Parameters,
 }
 
 impl State {
@@ -100,13 +105,15 @@ impl State {
             initial_level: false,
             path_mode: PathMode::default(),
             feed: None,
+            feed_word: 0.0,
             feed_reported: false,
             series: None,
             speed: None,
-            spindle_on: false,
+            spindle: None,
             coolant_on: false,
             selected_tool: None,
             tool: options.tool,
+            parameters: Parameters::new(),
         }
     }
 
@@ -272,6 +279,7 @@ impl State {
             }
         }
         let Some(feed) = Self::in_range(block, Letter::F, MAX_FEED)? else { return Ok(()) };
+        self.feed_word = feed;
         if !self.inverse_time {
             self.feed = Some(Feed::per_minute(feed, self.units));
             // F0 is none.
@@ -295,7 +303,7 @@ impl State {
             self.m_function(6, Some(f64::from(self.tool)), out);
         }
         if let Some(number) = block.m.spindle {
-            self.spindle_on = number != 5;
+            self.spindle = Some(number).filter(|number| *number != 5);
             self.m_function(number, self.speed.filter(|_| number != 5), out);
         }
         if let Some(number) = block.m.coolant {
@@ -306,7 +314,7 @@ impl State {
     }
 
     fn stop_spindle(&mut self, out: &mut Output) {
-        if std::mem::take(&mut self.spindle_on) {
+        if self.spindle.take().is_some() {
             self.m_function(5, None, out);
         }
     }

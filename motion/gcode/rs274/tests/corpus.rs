@@ -5,9 +5,10 @@
 //! them takes every feed as inches per minute. Where only rotary axes move it is degrees per minute, as `rs274 -g`
 //! shows, which passes the same F on for moves in X and in A; [`correct_rotary_feeds`] undoes it.
 
-use super::moves::{Move, assert_same_moves, decode_as_linuxcnc};
+use super::moves::{Move, assert_same_moves, decode_as_linuxcnc, moves_before_error};
 use super::*;
 use crate::decode::{Rule, TextError};
+use crate::rs274::DecodeError;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
@@ -109,7 +110,7 @@ fn every_program_is_listed() {
         .skip(1)
         .map(|line| line.split('\t').take(2).collect::<Vec<_>>().join("/"))
         .collect();
-    let groups = ["within", "wrong", "outside"];
+    let groups = ["within", "wrong", "feedless", "outside"];
     let names: Vec<_> = groups.into_iter().flat_map(programs).map(|(name, ..)| name).collect();
     let listed: BTreeSet<String> = names.iter().map(|name| (*name).to_owned()).collect();
     assert_eq!(listed.len(), names.len(), "one is listed twice");
@@ -125,7 +126,7 @@ fn moves_are_those_of_linuxcnc() {
         let decoded = decode_as_linuxcnc(&fs::read(&path).unwrap());
         assert_eq!(decoded.errors, [], "{name}");
         let (expected, stopped) = linuxcnc(&path);
-        count += assert_same_moves(name, &decoded, &expected, u32::MAX);
+        count += assert_same_moves(name, &decoded, &expected);
         // What LinuxCNC does not like about the end of some of these programs; see the documentation of the module.
         if let Some(message) = stopped {
             let end = message == "File ended with no percent sign or program end"
@@ -148,7 +149,7 @@ fn programs_that_linuxcnc_refuses_have_errors() {
         assert_ne!(rule, Rule::UnsupportedWord, "{name}");
         let (expected, stopped) = linuxcnc(&path);
         assert!(stopped.is_some(), "{name}");
-        assert_same_moves(name, &decoded, &expected, line);
+        assert_same_moves(name, &decoded, &expected);
         // LinuxCNC goes no further.
         assert!(expected.last().is_none_or(|last| last.line < line), "{name}");
     }
@@ -158,7 +159,7 @@ fn programs_that_linuxcnc_refuses_have_errors() {
 fn words_that_are_not_understood_are_told() {
     let Some(corpus) = corpus() else { return };
     for outside in programs("outside") {
-        let (name, line, _) = outside;
+        let (name, ..) = outside;
         let path = corpus.join(name);
         let text = fs::read(&path).unwrap();
         let decoded = decode_as_linuxcnc(&text);
@@ -172,6 +173,21 @@ fn words_that_are_not_understood_are_told() {
             assert_eq!(rapid.points, [35.56, 71.12, 25.4]);
             rapid.points = vec![50.8, 76.2, 25.4];
         }
-        assert_same_moves(name, &decoded, &expected, line);
+        // LinuxCNC goes on.
+        expected.truncate(moves_before_error(&decoded).len());
+        assert_same_moves(name, &decoded, &expected);
+    }
+}
+
+/// LinuxCNC's preview moves with feed 0, which its machine refuses.
+#[test]
+fn programs_without_a_feed_have_an_error() {
+    let Some(corpus) = corpus() else { return };
+    for feedless in programs("feedless") {
+        let text = fs::read(corpus.join(feedless.0)).unwrap();
+        let decoded = decode_as_linuxcnc(&text);
+        assert_eq!(assert_first_error(feedless, &decoded, &text), Rule::Syntax);
+        assert_eq!(decoded.errors[0].error, DecodeError::MissingFeed);
+        assert_eq!(decoded.errors.len(), 1, "{feedless:?}");
     }
 }

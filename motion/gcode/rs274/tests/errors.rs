@@ -128,7 +128,7 @@ fn long_lines() {
 /// All well-formed words are checked; nothing is read behind text that is not a word.
 #[test]
 fn several_in_a_block() {
-    let decoded = decode("N10 G7 X1 E3 X2 Y1..5 G1 M98 = M30 U1\nM2");
+    let decoded = decode("N10 G7 X1 E3 X2 Y1..5 G1 M29 = M30 U1\nM2");
     let found: Vec<_> = decoded.errors.iter().map(|error| error.columns.clone().unwrap()).collect();
     assert_eq!(found, [4..6, 10..12, 13..15, 16..21, 25..28, 29..30]);
     assert!(decoded.errors.iter().all(|error| error.place.block == Some(10)));
@@ -137,7 +137,7 @@ fn several_in_a_block() {
 /// Feed and modes of an erroneous block hold, and the path goes on from where it was to lead.
 #[test]
 fn modes_of_an_erroneous_block_hold() {
-    let decoded = decode("G0 X1\nG1 G91 F60 M98\nX1\nG3 X1 I9\nG1 X1\nM2");
+    let decoded = decode("G0 X1\nG1 G91 F60 M29\nX1\nG3 X1 I9\nG1 X1\nM2");
     assert_eq!(decoded.errors.len(), 2);
     assert_eq!(
         ends_mm(&decoded.elements),
@@ -146,5 +146,5 @@ fn modes_of_an_erroneous_block_hold() {
     assert_eq!(decoded.elements[1].feed, 0.001);
     assert_eq!(decoded.elements[2].kind, ElementKind::Jump);
     // M2 ends the program although there is something wrong in its block.
-    assert_eq!(decode("G0 X1\nM2 M98\nX2").elements.len(), 1);
+    assert_eq!(decode("G0 X1\nM2 M29\nX2").elements.len(), 1);
 }

@@ -24,6 +24,8 @@ struct Decoded {
     elements: Vec<PathElement>,
     warnings: Vec<Diagnostic>,
     errors: Vec<Diagnostic>,
+    /// Number of elements before the first error.
+    sound: usize,
 }
 
 fn decode_with(options: DecoderOptions, program: &[u8]) -> Decoded {
@@ -32,9 +34,17 @@ fn decode_with(options: DecoderOptions, program: &[u8]) -> Decoded {
         match item {
             Ok(Item::Element(element)) => decoded.elements.push(element),
             Ok(Item::Warning(diagnostic)) => decoded.warnings.push(diagnostic),
-            Err(Failure::Diagnostic(diagnostic)) => decoded.errors.push(diagnostic),
+            Err(Failure::Diagnostic(diagnostic)) => {
+                if decoded.errors.is_empty() {
+                    decoded.sound = decoded.elements.len();
+                }
+                decoded.errors.push(diagnostic);
+            }
             Err(Failure::Io(error)) => panic!("reading from memory: {error}"),
         }
+    }
+    if decoded.errors.is_empty() {
+        decoded.sound = decoded.elements.len();
     }
     decoded
 }

@@ -26,22 +26,40 @@ pub(super) fn decode_as_linuxcnc(program: &[u8]) -> Decoded {
     decode_with(DecoderOptions { tools, ..DecoderOptions::default() }, program)
 }
 
-/// Asserts that the moves before line `end` are LinuxCNC's, and returns how many these are.
+/// Asserts that the moves before the first error are LinuxCNC's, but for those of the block with the error, of which
+/// either may have made some.
 #[track_caller]
-pub(super) fn assert_same_moves(
-    name: &str,
-    decoded: &Decoded,
-    expected: &[Move],
-    end: u32,
-) -> usize {
-    let before: Vec<&Move> = expected.iter().take_while(|expected| expected.line < end).collect();
-    let elements = decoded.elements.iter().take_while(|element| element.place.line < end);
-    let ours: Vec<Move> = elements.filter_map(as_move).collect();
-    for (ours, expected) in ours.iter().zip(&before) {
-        assert_eq!(ours.difference(expected), None, "{name}");
+pub(super) fn assert_same_moves(name: &str, decoded: &Decoded, expected: &[Move]) -> usize {
+    difference(decoded, expected).unwrap_or_else(|difference| panic!("{name}: {difference}"))
+}
+
+/// Moves before the block with the first error.
+pub(super) fn moves_before_error(decoded: &Decoded) -> Vec<Move> {
+    let end = decoded.errors.first().map(|error| error.place.line);
+    let mut moves: Vec<Move> =
+        decoded.elements[..decoded.sound].iter().filter_map(as_move).collect();
+    while moves.last().is_some_and(|last| Some(last.line) == end) {
+        moves.pop();
     }
-    assert_eq!(ours.len(), before.len(), "{name}");
-    ours.len()
+    moves
+}
+
+/// The number of moves that agree, or the first that does not.
+pub(super) fn difference(decoded: &Decoded, expected: &[Move]) -> Result<usize, String> {
+    let end = decoded.errors.first().map(|error| error.place.line);
+    let (ours, mut expected) = (moves_before_error(decoded), expected);
+    while expected.last().is_some_and(|last| Some(last.line) == end) {
+        expected = &expected[..expected.len() - 1];
+    }
+    for (ours, expected) in ours.iter().zip(expected) {
+        if let Some(difference) = ours.difference(expected) {
+            return Err(difference);
+        }
+    }
+    if ours.len() == expected.len() {
+        return Ok(ours.len());
+    }
+    Err(format!("{} moves, LinuxCNC {}", ours.len(), expected.len()))
 }
 
 /// `element` as a move; M functions are none.

@@ -1,0 +1,248 @@
+//! Parameters of the program: numbered, named, and those that show the state of the interpreter.
+//!
+//! ```text
+//! #1 to #30        local to a subroutine: its arguments
+//! #31 to #5000     of the program
+//! #5061 to #5602   of the interpreter: probe result, home positions, offsets, tool, position
+//! #<name>          local to a subroutine
+//! #<_name>         global
+//! #<_x>, ...       state of the interpreter, read only
+//! ```
+
+use super::options::LengthUnit;
+use super::state::State;
+use std::collections::HashMap;
+use twin_number::Short;
+
+/// Whole numbers may be off by this much.
+pub(super) const WHOLE: f64 = 1e-4;
+
+/// The highest number of a parameter.
+const LAST: u16 = 5602;
+
+/// Number of parameters that are local to a subroutine, from 1 on.
+pub(super) const LOCAL: usize = 30;
+
+/// Error of a parameter.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ParameterError {
+    /// A number that no parameter has.
+    #[error("there is no parameter {}: parameters have whole numbers from 1 to {LAST}", Short(*.0))]
+    Number(f64),
+    /// A named parameter without value.
+    #[error(
+        "#<{0}> has no value: it must be set before it is used, in the same subroutine unless it begins with _"
+    )]
+    NoValue(String),
+    /// A parameter that shows the state of the interpreter.
+    #[error("{0} cannot be set: it shows the state of the control")]
+    ReadOnly(String),
+}
+
+/// A parameter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Target {
+    /// From 1 to [`LAST`].
+    Numbered(u16),
+    /// In lower case, without blanks.
+    Named(Box<[u8]>),
+}
+
+impl Target {
+    /// The parameter of this number.
+    ///
+    /// # Errors
+    /// [`ParameterError::Number`].
+    pub(super) fn numbered(value: f64) -> Result<Self, ParameterError> {
+        let rounded = value.round();
+        if (value - rounded).abs() > WHOLE || !(1.0..=f64::from(LAST)).contains(&rounded) {
+            return Err(ParameterError::Number(value));
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "checked above"
+        )]
+        Ok(Self::Numbered(rounded as u16))
+    }
+
+    /// As the program writes it.
+    fn text(&self) -> String {
+        match self {
+            Self::Numbered(number) => format!("#{number}"),
+            Self::Named(name) => format!("#<{}>", String::from_utf8_lossy(name)),
+        }
+    }
+}
+
+/// Numbers by name.
+type Names = HashMap<Box<[u8]>, f64>;
+
+/// Parameters that the program sets.
+#[derive(Debug)]
+pub(super) struct Parameters {
+    numbered: Vec<f64>,
+    global: Names,
+    /// Those of the program and of each subroutine in work.
+    local: Vec<Names>,
+    /// Line of the block at hand.
+    pub(super) line: u32,
+    /// Value of the last RETURN or ENDSUB, if it had one.
+    pub(super) returned: Option<f64>,
+}
+
+impl Parameters {
+    pub(super) fn new() -> Self {
+        Self {
+            numbered: vec![0.0; usize::from(LAST) + 1],
+            global: Names::new(),
+            local: vec![Names::new()],
+            line: 0,
+            returned: None,
+        }
+    }
+
+    fn get(&self, number: u16) -> f64 {
+        self.numbered.get(usize::from(number)).copied().unwrap_or_default()
+    }
+
+    pub(super) fn set(&mut self, number: u16, value: f64) {
+        if let Some(slot) = self.numbered.get_mut(usize::from(number)) {
+            *slot = value;
+        }
+    }
+
+    /// Begins a subroutine; its arguments if it has any of its own. Returns the parameters to be restored at its end.
+    pub(super) fn enter(&mut self, arguments: Option<&[f64; LOCAL]>) -> Option<Box<[f64; LOCAL]>> {
+        self.local.push(Names::new());
+        let arguments = arguments?;
+        let locals = self.numbered.get_mut(1..=LOCAL)?;
+        let saved: Box<[f64; LOCAL]> = Box::new(<[f64; LOCAL]>::try_from(&*locals).ok()?);
+        locals.copy_from_slice(arguments);
+        Some(saved)
+    }
+
+    /// Ends a subroutine.
+    pub(super) fn leave(&mut self, saved: Option<Box<[f64; LOCAL]>>) {
+        if self.local.len() > 1 {
+            self.local.pop();
+        }
+        if let (Some(saved), Some(locals)) = (saved, self.numbered.get_mut(1..=LOCAL)) {
+            locals.copy_from_slice(&*saved);
+        }
+    }
+
+    /// Number of subroutines in work.
+    pub(super) fn depth(&self) -> usize {
+        self.local.len() - 1
+    }
+
+    fn names(&self, name: &[u8]) -> Option<&Names> {
+        if name.starts_with(b"_") { Some(&self.global) } else { self.local.last() }
+    }
+}
+
+impl State {
+    /// Value of a parameter, in the units of the program.
+    ///
+    /// # Errors
+    /// [`ParameterError::NoValue`].
+    pub(super) fn parameter(&self, target: &Target) -> Result<f64, ParameterError> {
+        match target {
+            Target::Numbered(number) => Ok(self.numbered(*number)),
+            Target::Named(name) => {
+                let known = self.parameters.names(name).and_then(|names| names.get(name).copied());
+                let value = known.or_else(|| self.shown(name));
+                value.ok_or_else(|| {
+                    ParameterError::NoValue(String::from_utf8_lossy(name).into_owned())
+                })
+            }
+        }
+    }
+
+    /// Checks that the program may set a parameter.
+    ///
+    /// # Errors
+    /// [`ParameterError::ReadOnly`].
+    pub(super) fn check_settable(&self, target: &Target) -> Result<(), ParameterError> {
+        let shown = match target {
+            Target::Numbered(number) => matches!(number, 5400..=5409 | 5420..=5428),
+            Target::Named(name) => self.shown(name).is_some(),
+        };
+        if shown { Err(ParameterError::ReadOnly(target.text())) } else { Ok(()) }
+    }
+
+    /// Sets a parameter that may be set.
+    pub(super) fn set_parameter(&mut self, target: &Target, value: f64) {
+        let parameters = &mut self.parameters;
+        match target {
+            Target::Numbered(number) => parameters.set(*number, value),
+            Target::Named(name) => {
+                let names = if name.starts_with(b"_") {
+                    Some(&mut parameters.global)
+                } else {
+                    parameters.local.last_mut()
+                };
+                if let Some(names) = names {
+                    names.insert(name.clone(), value);
+                }
+            }
+        }
+    }
+
+    fn numbered(&self, number: u16) -> f64 {
+        match number {
+            5400 => f64::from(self.tool),
+            5420..=5422 => self.location.program[usize::from(number - 5420)],
+            5423..=5425 => self.location.program_rotary[usize::from(number - 5423)],
+            _ => self.parameters.get(number),
+        }
+    }
+
+    /// Named parameters that show the state of the interpreter.
+    fn shown(&self, name: &[u8]) -> Option<f64> {
+        let name = name.strip_prefix(b"_")?;
+        let truth = |is_so: bool| if is_so { 1.0 } else { 0.0 };
+        let tenths = |code: f64| (code * 10.0).round();
+        Some(match name {
+            b"vmajor" => 2.9,
+            b"vminor" | b"task" | b"remap_level" | b"units_per_rev" => 0.0,
+            b"line" => f64::from(self.parameters.line),
+            b"motion_mode" => tenths(self.motion.number()),
+            b"plane" => match self.plane {
+                twin_path::Plane::Xy => 170.0,
+                twin_path::Plane::Zx => 180.0,
+                twin_path::Plane::Yz => 190.0,
+            },
+            b"ccomp" => 400.0,
+            b"metric" => truth(self.units == LengthUnit::Millimetre),
+            b"imperial" => truth(self.units == LengthUnit::Inch),
+            b"absolute" => truth(!self.relative),
+            b"incremental" => truth(self.relative),
+            b"inverse_time" => truth(self.inverse_time),
+            b"units_per_minute" => truth(!self.inverse_time),
+            b"coord_system" => self.offsets.system_number(),
+            b"tool_offset" => truth(self.offsets.has_tool_length()),
+            b"retract_r_plane" => truth(!self.initial_level),
+            b"retract_old_z" => truth(self.initial_level),
+            b"ijk_absolute_mode" => truth(self.absolute_centers),
+            b"spindle_on" => truth(self.spindle.is_some()),
+            b"spindle_cw" => truth(self.spindle == Some(3)),
+            b"feed" => self.feed_word,
+            b"rpm" => self.speed.unwrap_or_default(),
+            b"x" => self.numbered(5420),
+            b"y" => self.numbered(5421),
+            b"z" => self.numbered(5422),
+            b"a" => self.numbered(5423),
+            b"b" => self.numbered(5424),
+            b"c" => self.numbered(5425),
+            b"current_tool" => f64::from(self.tool),
+            b"selected_tool" => self.selected_tool.map_or(0.0, f64::from),
+            b"value" => self.parameters.returned.unwrap_or_default(),
+            b"value_returned" => truth(self.parameters.returned.is_some()),
+            #[expect(clippy::cast_precision_loss, reason = "few")]
+            b"call_level" => self.parameters.depth() as f64,
+            _ => return None,
+        })
+    }
+}
