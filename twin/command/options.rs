@@ -14,7 +14,7 @@ use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
-use twin_gcode::rs274::{LengthUnit, ToolTable, ToolTableError};
+use twin_gcode::rs274::{FlowLimits, LengthUnit, ToolTable, ToolTableError};
 use twin_machine::text::Text;
 use twin_machine::{Machine, Scenario, limited_read, tool_table_problem};
 use twin_planner::controller::XDirection;
@@ -158,9 +158,17 @@ pub(super) struct ReadOptions {
     #[arg(long = "variables", value_name = "FILE")]
     variables_file: Option<PathBuf>,
 
-    /// Jumps (G20) after which a program counts as endless
+    /// Jumps (G20; loops and calls of RS274) after which a program counts as endless
     #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_JUMPS)]
     max_jumps: u32,
+
+    /// Subroutines of RS274 that may call each other in a row; LinuxCNC allows 9
+    #[arg(long, value_name = "COUNT", default_value_t = FlowLimits::default().depth)]
+    max_depth: usize,
+
+    /// Folder with subroutines of RS274 (`NAME.ngc` for `o<NAME> call`), searched after that of the program; may be given several times
+    #[arg(long, value_name = "DIR")]
+    subroutines: Vec<PathBuf>,
 
     /// Tool table of an RS274 program (LinuxCNC's format, lengths in the machine file's unit), in place of the machine
     /// file's
@@ -342,6 +350,11 @@ impl ReadOptions {
             Some(Dialect::Din66025 | Dialect::Job | Dialect::Dxf) if self.tool_table.is_some() => {
                 ("--tool-table", "RS274")
             }
+            Some(Dialect::Din66025 | Dialect::Job | Dialect::Dxf)
+                if !self.subroutines.is_empty() =>
+            {
+                ("--subroutines", "RS274")
+            }
             Some(Dialect::Job | Dialect::Dxf) if self.skip_suppressed => {
                 ("--skip-suppressed", "DIN 66025 and RS274")
             }
@@ -392,6 +405,8 @@ impl ReadOptions {
             skip_suppressed: self.skip_suppressed,
             variables,
             jumps: self.max_jumps,
+            depth: self.max_depth,
+            subroutines: self.subroutines.clone(),
             tools: self.tool_table.as_deref().map(|path| tools(path, unit)).transpose()?,
             ..ReadSettings::default()
         })

@@ -6,7 +6,7 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
-use twin_gcode::rs274::ToolTable;
+use twin_gcode::rs274::{FlowLimits, ToolTable};
 use twin_machine::limited_read;
 use twin_planner::controller::{DEFAULT_WINDOW, Inputs};
 
@@ -17,8 +17,12 @@ pub struct ReadSettings {
     pub skip_suppressed: bool,
     /// Values of `$name$`.
     pub variables: Variables,
-    /// Jumps (G20) a program may take before it counts as endless.
+    /// Jumps (G20, loops and calls of RS274) a program may take before it counts as endless.
     pub jumps: u32,
+    /// Subroutines of RS274 within each other.
+    pub depth: usize,
+    /// Folders with subroutines of RS274, besides that of the program.
+    pub subroutines: Vec<PathBuf>,
     /// Tools of RS274 programs, in place of those of the machine file.
     pub tools: Option<ToolTable>,
     /// Operations on the path before it is prepared.
@@ -39,6 +43,8 @@ impl Default for ReadSettings {
             skip_suppressed: false,
             variables: Variables::default(),
             jumps: DEFAULT_JUMPS,
+            depth: FlowLimits::default().depth,
+            subroutines: Vec::new(),
             tools: None,
             operations: Operations::default(),
             inputs: Inputs::default(),

@@ -33,6 +33,10 @@ impl Letter {
     pub(super) const X: Self = Self(23);
     pub(super) const Y: Self = Self(24);
     pub(super) const Z: Self = Self(25);
+    /// `@`: distance from the origin.
+    pub(super) const RADIUS: Self = Self(26);
+    /// `^`: angle about the origin.
+    pub(super) const ANGLE: Self = Self(27);
 
     /// The linear axes in the order of coordinates.
     pub(super) const LINEAR: [Self; 3] = [Self::X, Self::Y, Self::Z];
@@ -41,13 +45,21 @@ impl Letter {
     /// The words of an arc's centre in the order of coordinates.
     pub(super) const CENTER: [Self; 3] = [Self::I, Self::J, Self::K];
 
-    /// The letter of an ASCII letter in upper case.
+    /// The letter of an ASCII letter in upper case, `@` or `^`.
     fn new(upper: u8) -> Self {
-        Self(upper.wrapping_sub(b'A') % 26)
+        match upper {
+            b'@' => Self::RADIUS,
+            b'^' => Self::ANGLE,
+            _ => Self(upper.wrapping_sub(b'A') % 26),
+        }
     }
 
     pub(super) fn as_char(self) -> char {
-        char::from(b'A' + self.0)
+        match self {
+            Self::RADIUS => '@',
+            Self::ANGLE => '^',
+            Self(index) => char::from(b'A' + index),
+        }
     }
 
     fn index(self) -> usize {
@@ -61,7 +73,7 @@ impl Letter {
 
 impl Letters {
     /// The words that are executed.
-    const KNOWN: Self = Self::LINEAR.with(Self::ROTARY).with(Self::CENTER).with(Self::of(&[
+    const KNOWN: Self = Self::AXES.with(Self::CENTER).with(Self::of(&[
         Letter::F,
         Letter::H,
         Letter::L,
@@ -74,7 +86,8 @@ impl Letters {
     pub(super) const LINEAR: Self = Self::of(&Letter::LINEAR);
     pub(super) const ROTARY: Self = Self::of(&Letter::ROTARY);
     pub(super) const CENTER: Self = Self::of(&Letter::CENTER);
-    pub(super) const AXES: Self = Self::LINEAR.with(Self::ROTARY);
+    pub(super) const POLAR: Self = Self::of(&[Letter::RADIUS, Letter::ANGLE]);
+    pub(super) const AXES: Self = Self::LINEAR.with(Self::ROTARY).with(Self::POLAR);
 
     #[expect(clippy::indexing_slicing, reason = "evaluated by the compiler")]
     pub(super) const fn of(letters: &[Letter]) -> Self {
@@ -105,7 +118,7 @@ impl Letters {
 
     /// The first of them in the alphabet.
     pub(super) fn first(self) -> Option<Letter> {
-        u8::try_from(self.0.trailing_zeros()).ok().filter(|index| *index < 26).map(Letter)
+        u8::try_from(self.0.trailing_zeros()).ok().filter(|index| *index < 28).map(Letter)
     }
 }
 
@@ -130,8 +143,8 @@ pub(super) struct Block {
     /// The last comment, if it is a message.
     pub(super) message: Option<Message>,
     present: Letters,
-    values: [f64; 26],
-    columns: [(u32, u32); 26],
+    values: [f64; 28],
+    columns: [(u32, u32); 28],
     m_count: u8,
 }
 
@@ -193,6 +206,19 @@ impl Block {
         });
         let (_, (start, end)) = present.max_by_key(|(_, (_, end))| *end)?;
         Some(usize::try_from(*start).ok()?..usize::try_from(*end).ok()?)
+    }
+
+    /// The same block with these coordinates in place of the polar ones.
+    pub(super) fn with_coordinates(&self, x: f64, y: f64) -> Self {
+        let mut block = self.clone();
+        for (letter, value) in [(Letter::X, x), (Letter::Y, y)] {
+            if let Some(slot) = block.values.get_mut(letter.index()) {
+                *slot = value;
+            }
+        }
+        let coordinates = Letters::of(&[Letter::X, Letter::Y]);
+        block.present = block.present.without(Letters::POLAR).with(coordinates);
+        block
     }
 
     /// Adds the word of an ASCII letter other than N and O, or returns its error.

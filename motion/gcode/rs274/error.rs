@@ -94,6 +94,20 @@ pub enum DecodeError {
     /// Axis words, but no motion is in force.
     #[error("axis words without a motion: no G0, G1, G2, G3 or canned cycle is in force")]
     AxesWithoutMotion,
+    /// `@` or `^` in a block that does not move, or with G28, G30, G53 or G92.
+    #[error("polar coordinates (@ and ^) are for motions, and not with G28, G30, G53 or G92")]
+    PolarWithoutMotion,
+    /// `@` or `^` and X or Y.
+    #[error("polar coordinates (@ and ^) cannot be used with X or Y in one block")]
+    PolarAndCoordinate,
+    /// `@` alone, or incremental, at the origin.
+    #[error(
+        "the angle is undetermined: the tool is at the origin of the polar coordinates; write both @ and ^, with G90"
+    )]
+    PolarAtOrigin,
+    /// Repetitions of an incremental polar canned cycle.
+    #[error("L above 1 cannot be used with incremental polar coordinates: write a loop")]
+    PolarRepeated,
     /// G28, G30 or G92 together with a motion.
     #[error(
         "G{0} and another G word of this block both use its axis words: write them in two blocks"

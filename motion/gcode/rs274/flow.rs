@@ -30,7 +30,7 @@ pub struct FlowLimits {
 
 impl Default for FlowLimits {
     fn default() -> Self {
-        Self { jumps: 1_000_000, depth: 9 }
+        Self { jumps: 100_000, depth: 9 }
     }
 }
 
@@ -101,10 +101,14 @@ pub enum FlowError {
         label: String,
     },
     /// Loops without end.
-    #[error("the program jumped back {0} times, the most that are allowed: is this loop endless?")]
+    #[error(
+        "endless: loops and calls have jumped {0} times, the most that are allowed (--max-jumps)"
+    )]
     Endless(u64),
     /// Recursion without end.
-    #[error("subroutines call each other {0} deep, the most that is allowed")]
+    #[error(
+        "subroutines call each other {0} times in a row, the most that are allowed (--max-depth)"
+    )]
     TooDeep(usize),
     /// The number of repetitions is negative or too large.
     #[error("{} is not a number of repetitions", twin_number::Short(*.0))]

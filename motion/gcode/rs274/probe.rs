@@ -2,6 +2,7 @@
 
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
+use super::offsets::Location;
 use super::options::Position;
 use super::output::Output;
 use super::state::State;
@@ -95,6 +96,7 @@ impl State {
             out.warning(None, DecodeError::ProbeUnknown(probing));
             let kind = ElementKind::Probe { probing, outcome: ProbeOutcome::Unknown };
             self.go(kind, shape, feed, to, out);
+            self.keep_result(ProbeOutcome::Unknown);
             self.settle(out);
             return Ok(());
         };
@@ -118,11 +120,22 @@ impl State {
             None => (shape, ProbeOutcome::NotTripped),
         };
         self.go(ElementKind::Probe { probing, outcome }, shape, feed, to, out);
+        self.keep_result(outcome);
         if probing.required && outcome == ProbeOutcome::NotTripped {
             return Err(DecodeError::ProbeNotTripped(probing).into());
         }
         self.settle(out);
         Ok(())
+    }
+
+    /// Sets #5061 to #5070. An unknown outcome counts as a trip: programs stop at others.
+    fn keep_result(&mut self, outcome: ProbeOutcome) {
+        let Location { program, program_rotary, .. } = self.location;
+        for (number, value) in (5061..).zip(program.into_iter().chain(program_rotary)) {
+            self.parameters.set(number, value);
+        }
+        let tripped = outcome != ProbeOutcome::NotTripped;
+        self.parameters.set(5070, if tripped { 1.0 } else { 0.0 });
     }
 
     /// Waits for drives that are on their way to where the probing move has ended.

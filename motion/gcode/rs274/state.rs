@@ -170,6 +170,13 @@ impl State {
             self.set_motion(motion);
         }
         if let Some(motion) = motion {
+            let cartesian;
+            let block = if block.letters().meets(Letters::POLAR) {
+                cartesian = self.without_polar(block)?;
+                &cartesian
+            } else {
+                block
+            };
             match motion {
                 Motion::Rapid | Motion::Line => self.go_straight(motion, block, out)?,
                 Motion::Arc { clockwise } => self.go_round(clockwise, block, out)?,
@@ -248,6 +255,15 @@ impl State {
         if let Some(letter) = block.letters().without(used).first() {
             let error = DecodeError::UnusedWord(letter.as_char());
             return Err(Problem { columns: block.columns(letter), error });
+        }
+        if block.letters().meets(Letters::POLAR) {
+            let coordinates = Letters::of(&[Letter::X, Letter::Y]);
+            if motion.is_none() || block.g.one_shot.is_some_and(|shot| shot != OneShot::Dwell) {
+                return Err(DecodeError::PolarWithoutMotion.into());
+            }
+            if block.letters().meets(coordinates) {
+                return Err(DecodeError::PolarAndCoordinate.into());
+            }
         }
         if block.g.one_shot == Some(OneShot::MachineFrame) {
             if !matches!(motion, Some(Motion::Rapid | Motion::Line)) {

@@ -43,6 +43,35 @@ impl State {
         Ok(to)
     }
 
+    /// `block` with X and Y in place of its polar coordinates; each of these goes on from the present position, if it
+    /// is the only one or distances are incremental.
+    pub(super) fn without_polar(&self, block: &Block) -> Result<Block, Problem> {
+        let [x, y, _] = self.location.program;
+        let (radius, angle) = (block.get(Letter::RADIUS), block.get(Letter::ANGLE));
+        let at_origin = x == 0.0 && y == 0.0;
+        let (now, direction) = (x.hypot(y), y.atan2(x));
+        let polar = |radius: f64, angle: f64| [radius * angle.cos(), radius * angle.sin()];
+        let [to_x, to_y] = if self.relative {
+            if at_origin {
+                return Err(DecodeError::PolarAtOrigin.into());
+            }
+            if block.get(Letter::L).is_some_and(|repeats| repeats > 1.0) {
+                return Err(DecodeError::PolarRepeated.into());
+            }
+            let turned = angle.unwrap_or_default().to_radians();
+            let [to_x, to_y] = polar(now + radius.unwrap_or_default(), direction + turned);
+            [to_x - x, to_y - y]
+        } else {
+            match (radius, angle) {
+                (Some(_), None) if at_origin => return Err(DecodeError::PolarAtOrigin.into()),
+                (radius, angle) => {
+                    polar(radius.unwrap_or(now), angle.map_or(direction, f64::to_radians))
+                }
+            }
+        };
+        Ok(block.with_coordinates(to_x, to_y))
+    }
+
     /// Target of the axis words of `block` in the machine frame (G53).
     fn machine_target(&self, block: &Block) -> Result<Location, Problem> {
         let mut machine = self.location.machine;
