@@ -66,7 +66,7 @@ fn correct_rotary_feeds(moves: &mut [Move]) {
     }
 }
 
-fn as_linuxcnc_move(object: &Value) -> Move {
+pub(super) fn as_linuxcnc_move(object: &Value) -> Move {
     let number = |value: &Value| value.as_f64().unwrap();
     let numbers = |key: &str| object[key].as_array().into_iter().flatten().map(number);
     let mut kind = object["kind"].as_str().unwrap().to_owned();

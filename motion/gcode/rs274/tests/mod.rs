@@ -5,9 +5,11 @@
 
 mod corpus;
 mod errors;
+mod generate;
 mod linuxcnc;
 mod moves;
 mod offsets;
+mod oracle;
 mod probe;
 mod random;
 mod refeed;

@@ -1,0 +1,309 @@
+//! Random programs, and those of LinuxCNC's own tests, compared with LinuxCNC's interpreter.
+//!
+//! `oracle.py` next to this file runs the interpreter of Debian's package linuxcnc-uspace; without it these tests are
+//! skipped. `TWIN_LONG` takes ten times as many programs, `TWIN_SEED` another first seed, `TWIN_PROGRAMS` another
+//! number of programs.
+
+use super::corpus::as_linuxcnc_move;
+use super::generate;
+use super::moves::{self, Move};
+use super::*;
+use crate::decode::{Rule, TextError};
+use crate::rs274::{Tool, ToolReference, ToolTable};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::{env, fs, thread};
+
+const PYTHON: &str = "/usr/bin/python3";
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/rs274/tests/oracle.py");
+
+/// Number, offset in X, Y and Z, and diameter of each tool, mm.
+const TOOLS: [(u32, [f64; 3], f64); 4] = [
+    (1, [0.0, 0.0, 50.5], 6.0),
+    (2, [0.0, 0.0, 10.0], 4.0),
+    (3, [1.0, -2.0, 30.25], 3.0),
+    (4, [0.0, 0.0, 0.0], 8.0),
+];
+/// Targets of G28 and G30 and origin of G55, mm and degrees.
+const G28: [f64; 6] = [5.0, 10.0, 50.0, 0.0, 0.0, 0.0];
+const G30: [f64; 6] = [-5.0, 20.0, 100.0, 10.0, 20.0, 30.0];
+const G55: [f64; 6] = [100.0, 200.0, -30.0, 15.0, 0.0, 0.0];
+
+/// What LinuxCNC makes of a program.
+#[derive(Debug)]
+struct Verdict {
+    moves: Vec<Move>,
+    /// Where and why it stopped, if not at the end.
+    stopped: Option<(u64, String)>,
+}
+
+fn position([x, y, z, a, b, c]: [f64; 6]) -> Position {
+    Position { linear: [x, y, z].map(|length| length / 1e3), rotary: [a, b, c] }
+}
+
+fn options() -> DecoderOptions {
+    let tools = TOOLS.map(|(number, offset, diameter)| Tool {
+        number,
+        offset: offset.map(|length| length / 1e3),
+        diameter: diameter / 1e3,
+    });
+    let mut options = DecoderOptions {
+        tools: Some(ToolTable::new(tools)),
+        g28: position(G28),
+        g30: position(G30),
+        reference: ToolReference::Tip,
+        ..DecoderOptions::default()
+    };
+    options.work_offsets[1] = position(G55);
+    options
+}
+
+/// True if the interpreter can be run.
+fn is_installed() -> bool {
+    let found = Command::new(PYTHON).args(["-c", "import gcode"]).output();
+    let found = found.is_ok_and(|output| output.status.success());
+    if !found {
+        println!("skipped: {PYTHON} has no module gcode (package linuxcnc-uspace)");
+    }
+    found
+}
+
+/// Runs LinuxCNC's interpreter over `programs`, with `arguments` of the script.
+fn linuxcnc(programs: &[String], arguments: &[&str]) -> Vec<Verdict> {
+    let folder = env::temp_dir().join(format!("twin-oracle-{:?}", thread::current().id()));
+    fs::create_dir_all(&folder).unwrap();
+    let tools =
+        TOOLS.map(|(number, [x, y, z], diameter)| format!("{number} {x} {y} {z} {diameter}\n"));
+    fs::write(folder.join("tools"), tools.concat()).unwrap();
+    let parameters = [(5161_u32.., G28), (5181.., G30), (5241.., G55)].into_iter();
+    let parameters = parameters.flat_map(|(numbers, values)| numbers.zip(values));
+    let parameters = parameters.map(|(number, value)| format!("{number} {value}\n"));
+    fs::write(folder.join("parameters"), parameters.collect::<Vec<_>>().concat()).unwrap();
+    let mut child = Command::new(PYTHON)
+        .args(["-B", SCRIPT, "--tools", "tools", "--parameters", "parameters"])
+        .args(arguments)
+        .current_dir(&folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut input = child.stdin.take().unwrap();
+    for program in programs {
+        writeln!(input, "{}", json!({ "name": "", "program": program })).unwrap();
+    }
+    drop(input);
+    let output = child.wait_with_output().unwrap();
+    fs::remove_dir_all(&folder).unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let verdicts: Vec<_> =
+        text.lines().map(|line| verdict(&serde_json::from_str(line).unwrap())).collect();
+    assert_eq!(verdicts.len(), programs.len(), "{:?}", output.status);
+    verdicts
+}
+
+fn verdict(object: &Value) -> Verdict {
+    let moves = object["moves"].as_array().unwrap().iter().map(as_linuxcnc_move).collect();
+    let message = || object["message"].as_str().unwrap().to_owned();
+    // A warning here.
+    let is_end = object["message"] == "File ended with no percent sign or program end";
+    let stopped =
+        (object["rc"] != 0 && !is_end).then(|| (object["line"].as_u64().unwrap(), message()));
+    Verdict { moves, stopped }
+}
+
+/// First difference of the decoder from LinuxCNC, up to the first error of either.
+fn difference(program: &str, verdict: &Verdict) -> Option<String> {
+    let (mut elements, mut error) = (Vec::new(), None);
+    for item in Decoder::new(program.as_bytes(), options()) {
+        match item {
+            Ok(Item::Element(element)) => elements.push(element),
+            Ok(Item::Warning(_)) => {}
+            Err(failure) => {
+                error = Some(failure);
+                break;
+            }
+        }
+    }
+    match (&error, &verdict.stopped) {
+        (Some(Failure::Diagnostic(error)), None) => return Some(error.to_string()),
+        (None, Some(stopped)) => return Some(format!("no error; LinuxCNC: {stopped:?}")),
+        (Some(Failure::Diagnostic(error)), Some(stopped)) => {
+            let line = u64::from(error.place.line);
+            // An error in a subroutine has the line of its call in LinuxCNC.
+            let letters: String = program.to_uppercase().split_whitespace().collect();
+            let calls = letters.contains("CALL") || letters.contains("M98");
+            let is_known =
+                error.error.rule() != Rule::UnsupportedWord || stopped.1.starts_with("Unknown ");
+            if !is_known || !calls && ![line, line + 1].contains(&stopped.0) {
+                return Some(format!("{error}; LinuxCNC: {stopped:?}"));
+            }
+        }
+        _ => {}
+    }
+    let mut ours: Vec<Move> = elements.iter().filter_map(moves::as_move).collect();
+    let mut theirs = verdict.moves.clone();
+    if let Some(Failure::Diagnostic(error)) = error {
+        // Of the block that it stops at LinuxCNC may have made some moves.
+        for moves in [&mut ours, &mut theirs] {
+            let end =
+                moves.iter().rposition(|one| one.line != error.place.line).map_or(0, |at| at + 1);
+            moves.truncate(end);
+        }
+    }
+    let pairs = ours.iter().zip(&theirs);
+    pairs.map(|(ours, theirs)| ours.difference(theirs)).find(Option::is_some).flatten().or_else(
+        || {
+            let counts = (ours.len(), theirs.len());
+            (counts.0 != counts.1).then(|| format!("{} moves, LinuxCNC {}", counts.0, counts.1))
+        },
+    )
+}
+
+/// The program without all lines but the first that it does not need to differ, as long as LinuxCNC takes or refuses it
+/// as before.
+fn minimised(lines: &[String], is_refused: bool) -> (Vec<String>, String) {
+    let mut lines = lines.to_vec();
+    let mut found = String::new();
+    let mut size = lines.len().div_ceil(2);
+    while size > 0 {
+        let starts: Vec<usize> = (1..lines.len()).step_by(size).collect();
+        let shorter = starts.iter().map(|start| {
+            let left_out = *start..(start + size).min(lines.len());
+            let kept = lines.iter().enumerate().filter(|(index, _)| !left_out.contains(index));
+            kept.map(|(_, line)| line.clone()).collect::<Vec<_>>()
+        });
+        let shorter: Vec<Vec<String>> = shorter.collect();
+        let programs: Vec<String> = shorter.iter().map(|lines| lines.join("\n") + "\n").collect();
+        let verdicts = linuxcnc(&programs, &[]);
+        let better = shorter.into_iter().zip(programs.iter().zip(&verdicts)).find_map(
+            |(lines, (program, verdict))| {
+                let alike = verdict.stopped.is_some() == is_refused;
+                Some((lines, difference(program, verdict).filter(|_| alike)?))
+            },
+        );
+        match better {
+            Some(better) => (lines, found) = better,
+            None => size /= 2,
+        }
+    }
+    (lines, found)
+}
+
+fn number(name: &str, default: u64) -> u64 {
+    env::var(name).map_or(default, |value| value.parse().expect("a number"))
+}
+
+#[test]
+fn random_programs_are_as_linuxcnc_reads_them() {
+    if !is_installed() {
+        return;
+    }
+    let count =
+        number("TWIN_PROGRAMS", if env::var_os("TWIN_LONG").is_some() { 20_000 } else { 2_000 });
+    let first = number("TWIN_SEED", 0);
+    let features = generate::features("+");
+    let seeds: Vec<u64> = (first..first + count).collect();
+    let programs: Vec<Vec<String>> =
+        seeds.iter().map(|seed| generate::program(*seed, &features)).collect();
+    let texts: Vec<String> = programs.iter().map(|lines| lines.join("\n") + "\n").collect();
+    let verdicts = linuxcnc(&texts, &[]);
+    let mut differing = Vec::new();
+    let (mut moves, mut refused) = (0, 0);
+    for ((seed, lines), (text, verdict)) in
+        seeds.iter().zip(&programs).zip(texts.iter().zip(&verdicts))
+    {
+        (moves, refused) =
+            (moves + verdict.moves.len(), refused + usize::from(verdict.stopped.is_some()));
+        if let Some(found) = difference(text, verdict) {
+            differing.push((seed, lines, verdict.stopped.is_some(), found));
+        }
+    }
+    println!(
+        "{count} programs, {refused} of which LinuxCNC refuses, {moves} moves, {} differ",
+        differing.len()
+    );
+    for (seed, lines, is_refused, found) in differing.iter().take(3) {
+        let (lines, shorter) = minimised(lines, *is_refused);
+        println!("seed {seed}: {found}\n{}\n{shorter}\n", lines.join("\n"));
+    }
+    assert!(differing.is_empty(), "{} of {count} programs differ", differing.len());
+    // Most programs are right, so that all of their lines count.
+    assert!(refused * 20 < texts.len(), "LinuxCNC refuses {refused}");
+}
+
+/// The grammar is LinuxCNC's, that of features that are not supported yet included.
+#[test]
+fn linuxcnc_takes_random_programs() {
+    if !is_installed() {
+        return;
+    }
+    let features = generate::features("+-");
+    let programs: Vec<String> =
+        (0..500).map(|seed| generate::program(seed, &features).join("\n") + "\n").collect();
+    let verdicts = linuxcnc(&programs, &[]);
+    let all = programs.iter().zip(&verdicts);
+    let refused: Vec<_> = all.filter(|(_, verdict)| verdict.stopped.is_some()).collect();
+    for (program, verdict) in &refused {
+        println!("{program}{:?}\n", verdict.stopped);
+    }
+    assert!(refused.len() * 20 < programs.len(), "{} are refused", refused.len());
+}
+
+/// The programs below `folder`, in order.
+fn programs_below(folder: &Path, found: &mut Vec<PathBuf>) {
+    let mut entries: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            programs_below(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "ngc") {
+            found.push(path);
+        }
+    }
+}
+
+/// LinuxCNC's own tests of its interpreter (`tests/interp` in the folder of its sources, `TWIN_LINUXCNC`) but for those
+/// in `linuxcnc_tests.txt`.
+#[test]
+fn programs_of_linuxcncs_tests() {
+    let Some(sources) = env::var_os("TWIN_LINUXCNC") else {
+        println!("skipped: TWIN_LINUXCNC does not name a folder of LinuxCNC's sources");
+        return;
+    };
+    if !is_installed() {
+        return;
+    }
+    let (root, mut paths) = (Path::new(&sources).join("tests/interp"), Vec::new());
+    programs_below(&root, &mut paths);
+    let texts: Vec<String> = paths
+        .iter()
+        .map(|path| String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned())
+        .collect();
+    let rows = include_str!("linuxcnc_tests.txt").lines().filter(|line| !line.starts_with('#'));
+    let mut left_out: BTreeMap<&str, &str> =
+        rows.map(|row| row.split_once(": ").unwrap()).collect();
+    let (mut agreeing, mut differing) = (0, 0);
+    for (path, (text, verdict)) in paths.iter().zip(texts.iter().zip(linuxcnc(&texts, &[]))) {
+        let name = path.strip_prefix(&root).unwrap().to_str().unwrap();
+        match (difference(text, &verdict), left_out.remove(name)) {
+            (None, reason) => {
+                agreeing += 1;
+                if let Some(reason) = reason {
+                    println!("{name} agrees now: {reason}");
+                }
+            }
+            (Some(_), Some(_)) => {}
+            (Some(found), None) => {
+                differing += 1;
+                println!("{name}: {found}");
+            }
+        }
+    }
+    println!("{agreeing} of {} agree", paths.len());
+    assert_eq!(differing, 0);
+    assert_eq!(left_out, BTreeMap::new(), "these are not there");
+}
