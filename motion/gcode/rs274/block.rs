@@ -19,6 +19,8 @@ impl Letter {
     pub(super) const A: Self = Self(0);
     pub(super) const B: Self = Self(1);
     pub(super) const C: Self = Self(2);
+    pub(super) const D: Self = Self(3);
+    pub(super) const E: Self = Self(4);
     pub(super) const F: Self = Self(5);
     pub(super) const H: Self = Self(7);
     pub(super) const I: Self = Self(8);
@@ -74,6 +76,8 @@ impl Letter {
 impl Letters {
     /// The words that are executed.
     const KNOWN: Self = Self::AXES.with(Self::CENTER).with(Self::of(&[
+        Letter::D,
+        Letter::E,
         Letter::F,
         Letter::H,
         Letter::L,
@@ -191,6 +195,15 @@ impl Block {
             return None;
         }
         self.values.get(letter.index()).copied()
+    }
+
+    /// The block with the X of a radius for that of a diameter.
+    pub(super) fn with_radius(&self) -> Self {
+        let mut block = self.clone();
+        if let Some(x) = block.values.get_mut(Letter::X.index()) {
+            *x /= 2.0;
+        }
+        block
     }
 
     /// The bytes of the word with this letter; those of the last one if it has been cleared since.
@@ -319,6 +332,25 @@ impl Block {
         let program = self.whole(Letter::P, 0)?;
         let program = program.ok_or(DecodeError::from(FlowError::MissingProgram))?;
         Ok((program, self.whole(Letter::L, 0)?.unwrap_or(1)))
+    }
+
+    /// Checks that the number `value` of a word of `code` is more than `limit`.
+    ///
+    /// # Errors
+    /// [`DecodeError::TooSmall`], at the word if it is in the block.
+    pub(super) fn check_above(
+        &self,
+        code: &str,
+        letter: Letter,
+        value: f64,
+        limit: f64,
+    ) -> Result<(), Problem> {
+        if value > limit {
+            return Ok(());
+        }
+        let columns = self.get(letter).and_then(|_| self.columns(letter));
+        let (code, letter) = (code.to_owned(), letter.as_char());
+        Err(Problem { columns, error: DecodeError::TooSmall { code, letter, value, limit } })
     }
 
     /// The number of a word that takes whole numbers of at least `min`; `None` if it is not there.

@@ -1,141 +1,323 @@
-//! Canned cycles: G81, G82 and G83 as the moves LinuxCNC makes of them.
+//! Canned cycles: G73, G74 and G81 to G89 as the moves LinuxCNC makes of them.
 //!
 //! ```text
 //! initial level   where the tool was before the first cycle of a row
 //! R               retract plane: clear of the work; with G91 counted from the initial level
 //! bottom          Z in G17; with G91 counted from R
+//! clear level     R (G99), or the initial level if that is higher (G98)
 //! ```
 //!
 //! If the initial level is below R, the tool first goes up to R. Then for each repetition: a rapid in the plane (at
-//! R, or at the height at hand if that is above), a rapid down to R, the hole, and a rapid up to R (G99) or to the
-//! initial level if that is higher (G98).
+//! R, or at the height at hand if that is above), a rapid down to R, and the [steps](steps) of the cycle.
 
 use super::LengthUnit;
-use super::block::{Block, Letter};
+use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
 use super::output::Output;
 use super::state::State;
-use super::word::Cycle;
+use super::travel::Axis;
+use super::word::{Cycle, FeedMode, Motion};
 
 /// The largest number of moves that one block with a canned cycle may lead to.
 pub const MAX_CYCLE_MOVES: usize = 10_000;
 
-/// Canned cycles in a row, in program units.
-#[derive(Clone, Copy, Debug)]
+/// Canned cycles in a row: the words that hold until another number takes their place, in program units.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Series {
-    cycle: Cycle,
-    /// Coordinate along the normal before the first of them.
-    pub(super) initial: f64,
+    /// The cycle in force, whose words may be left out.
+    pub(super) cycle: Option<Cycle>,
+    /// Coordinate along the normal before the first of the row.
+    pub(super) initial: Option<f64>,
     retract: f64,
     bottom: f64,
     dwell: f64,
     peck: f64,
+    /// I, J and K of G87.
+    center: [f64; 3],
+}
+
+/// A height of a cycle.
+#[derive(Clone, Copy, Debug)]
+enum Level {
+    Bottom,
+    /// Top of the bore of G87.
+    Middle,
+    Retract,
+    Clear,
+}
+
+/// A part of a cycle at one hole.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    Feed(Level),
+    Rapid(Level),
+    /// Feeds by Q until the bottom is less than Q away, each with a rapid back: to R and down again, or a little up.
+    Peck {
+        to_retract: bool,
+    },
+    /// Rapid in the plane: away from the hole by the offset of G87, or back to it.
+    Aside(bool),
+    Dwell,
+    /// The spindle stops.
+    Stop,
+    /// The spindle stops at angle 0.
+    Orient,
+    /// The spindle turns as before the cycle.
+    Start,
+    /// The spindle turns the other way.
+    Reverse,
+    /// M0.
+    Pause,
+}
+
+/// The steps of a cycle from R to the clear level.
+fn steps(cycle: Cycle) -> &'static [Step] {
+    use Level::{Bottom, Clear, Middle, Retract};
+    use Step::{Aside, Dwell, Feed, Orient, Pause, Peck, Rapid, Reverse, Start, Stop};
+    match cycle.0 {
+        73 => &[Peck { to_retract: false }, Feed(Bottom), Rapid(Clear)],
+        74 | 84 => &[Feed(Bottom), Stop, Reverse, Dwell, Feed(Clear), Stop, Start],
+        82 => &[Feed(Bottom), Dwell, Rapid(Clear)],
+        83 => &[Peck { to_retract: true }, Feed(Bottom), Rapid(Clear)],
+        85 => &[Feed(Bottom), Feed(Retract), Rapid(Clear)],
+        86 => &[Feed(Bottom), Dwell, Stop, Rapid(Clear), Start],
+        87 => &[
+            Aside(true),
+            Stop,
+            Orient,
+            Rapid(Bottom),
+            Aside(false),
+            Start,
+            Feed(Middle),
+            Feed(Bottom),
+            Stop,
+            Orient,
+            Aside(true),
+            Rapid(Clear),
+            Aside(false),
+            Start,
+        ],
+        88 => &[Feed(Bottom), Dwell, Stop, Pause, Start, Rapid(Clear)],
+        89 => &[Feed(Bottom), Dwell, Feed(Clear)],
+        _ => &[Feed(Bottom), Rapid(Clear)],
+    }
+}
+
+impl Cycle {
+    fn has(self, test: impl Fn(&Step) -> bool) -> bool {
+        steps(self).iter().any(test)
+    }
+
+    fn dwells(self) -> bool {
+        self.has(|step| matches!(step, Step::Dwell))
+    }
+
+    fn pecks(self) -> bool {
+        self.has(|step| matches!(step, Step::Peck { .. }))
+    }
+
+    /// Tapping with a floating chuck.
+    pub(super) fn taps(self) -> bool {
+        self.has(|step| matches!(step, Step::Reverse))
+    }
+
+    fn back_bores(self) -> bool {
+        self.has(|step| matches!(step, Step::Aside(_)))
+    }
+
+    /// The words of the cycle other than those of axes.
+    pub(super) fn words(self) -> Letters {
+        let mut words = Letters::of(&[Letter::R]);
+        // LinuxCNC's tables of words leave out G74.
+        if self.0 != 74 {
+            words = words.with(Letters::of(&[Letter::L]));
+        }
+        if self.dwells() {
+            words = words.with(Letters::of(&[Letter::P]));
+        }
+        if self.pecks() {
+            words = words.with(Letters::of(&[Letter::Q]));
+        }
+        if self.back_bores() {
+            words = words.with(Letters::CENTER);
+        }
+        words
+    }
+
+    /// M3 and M4 with which the spindle may turn; none if it may be off.
+    fn spindle(self) -> &'static [u16] {
+        match self.0 {
+            74 => &[4],
+            84 => &[3],
+            _ if self.has(|step| matches!(step, Step::Stop)) => &[3, 4],
+            _ => &[],
+        }
+    }
+}
+
+/// Heights and place of a hole in program units.
+struct Hole {
+    axes: [Axis; 3],
+    series: Series,
+    /// First and second coordinate in the plane.
+    at: [f64; 2],
+    retract: f64,
+    bottom: f64,
+    middle: f64,
+    clear: f64,
+    /// M3 or M4 before the cycle.
+    spindle: Option<u16>,
+}
+
+impl Hole {
+    fn height(&self, level: Level) -> f64 {
+        match level {
+            Level::Bottom => self.bottom,
+            Level::Middle => self.middle,
+            Level::Retract => self.retract,
+            Level::Clear => self.clear,
+        }
+    }
 }
 
 impl State {
-    /// G81, G82 or G83.
+    /// G73, G74 and G81 to G89.
     #[expect(clippy::float_cmp, reason = "the same number or another one")]
-    pub(super) fn drill(
+    pub(super) fn run_cycle(
         &mut self,
         cycle: Cycle,
         block: &Block,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        let [first, second, normal] = self.axes();
+        let axes = self.axes();
+        let [first, second, normal] = axes;
         let height = |state: &Self| state.location.program[normal.index];
-        let series = self.row(cycle, block, height(self), normal.letter)?;
+        let series = self.row(cycle, block, axes)?;
         let repeats = block.whole(Letter::L, 1)?.unwrap_or(1);
-        if self.inverse_time {
+        if self.feed_mode == FeedMode::InverseTime {
             return Err(DecodeError::InverseTimeCycle.into());
         }
-        let (retract, bottom) = if self.relative {
-            let retract = series.retract + series.initial;
-            (retract, retract + series.bottom)
-        } else {
-            (series.retract, series.bottom)
-        };
+        if !cycle.spindle().is_empty() {
+            self.check_spindle(Motion::Cycle(cycle), cycle.spindle())?;
+        }
+        let initial = series.initial.unwrap_or_else(|| height(self));
+        let (mut retract, mut bottom) = (series.retract, series.bottom);
+        let mut middle = series.center[normal.index];
+        if self.relative {
+            retract += initial;
+            bottom += retract;
+            middle += bottom;
+        }
         if retract < bottom {
             return Err(DecodeError::RetractBelowBottom { retract, bottom }.into());
         }
-        check_count(cycle, repeats, (retract - bottom) / series.peck)?;
-        self.series = Some(series);
+        let pecks = if cycle.pecks() { (retract - bottom) / series.peck } else { 0.0 };
+        check_count(cycle, repeats, pecks)?;
+        self.series = Series { initial: Some(initial), ..series };
 
-        if series.initial < retract {
+        if initial < retract {
             let up = self.with(&self.location, normal, retract)?;
             self.rapid(up, out);
         }
-        let clear = if self.initial_level { series.initial.max(retract) } else { retract };
+        let clear = if self.initial_level { initial.max(retract) } else { retract };
+        let at = [first, second].map(|axis| self.location.program[axis.index]);
+        let spindle = self.spindle;
+        let mut hole = Hole { axes, series, at, retract, bottom, middle, clear, spindle };
         for _ in 0..repeats {
             let level = if height(self) > retract { height(self) } else { clear };
-            let mut above = self.location;
-            for axis in [first, second] {
+            for (at, axis) in hole.at.iter_mut().zip([first, second]) {
                 let Some(word) = block.get(axis.letter) else { continue };
-                let from = above.program[axis.index];
-                above = self.with(&above, axis, if self.relative { from + word } else { word })?;
+                *at = if self.relative { *at + word } else { word };
             }
+            let mut above = self.with(&self.location, first, hole.at[0])?;
+            above = self.with(&above, second, hole.at[1])?;
             above = self.with(&above, normal, level)?;
             self.rapid(above, out);
-            let at = |state: &Self, height| state.with(&above, normal, height);
             if height(self) != retract {
-                self.rapid(at(self, retract)?, out);
+                self.rapid(self.with(&above, normal, retract)?, out);
             }
-            if cycle == Cycle::Peck {
+            for step in steps(cycle) {
+                self.run_step(*step, &hole, out)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn run_step(&mut self, step: Step, hole: &Hole, out: &mut Output) -> Result<(), Problem> {
+        let [first, second, normal] = hole.axes;
+        let at = |state: &Self, height| state.with(&state.location, normal, height);
+        match step {
+            Step::Feed(level) => self.feed_to(at(self, hole.height(level))?, out)?,
+            Step::Rapid(level) => self.rapid(at(self, hole.height(level))?, out),
+            Step::Peck { to_retract } => {
                 let clearance = match self.units {
                     LengthUnit::Millimetre => 0.254,
                     LengthUnit::Inch => 0.010,
                 };
                 // Added up as LinuxCNC does: rounding decides whether there is a last, empty peck.
-                let mut depth = retract - series.peck;
-                while depth > bottom {
+                let mut depth = hole.retract - hole.series.peck;
+                while depth > hole.bottom {
                     self.feed_to(at(self, depth)?, out)?;
-                    self.rapid(at(self, retract)?, out);
+                    if to_retract {
+                        self.rapid(at(self, hole.retract)?, out);
+                    }
                     self.rapid(at(self, depth + clearance)?, out);
-                    depth -= series.peck;
+                    depth -= hole.series.peck;
                 }
             }
-            self.feed_to(at(self, bottom)?, out)?;
-            if cycle == Cycle::DrillDwell {
-                self.dwell(series.dwell, out)?;
+            Step::Aside(away) => {
+                let mut to = self.location;
+                for (axis, at) in [first, second].into_iter().zip(hole.at) {
+                    let offset = if away { hole.series.center[axis.index] } else { 0.0 };
+                    to = self.with(&to, axis, at + offset)?;
+                }
+                self.rapid(to, out);
             }
-            self.rapid(at(self, clear)?, out);
+            Step::Dwell => self.dwell(hole.series.dwell, out)?,
+            Step::Stop => self.stop_spindle(out),
+            Step::Orient => self.orient_spindle(0.0, None, out),
+            Step::Start | Step::Reverse => {
+                if let Some(number) = hole.spindle {
+                    let turned = if matches!(step, Step::Reverse) { 7 - number } else { number };
+                    self.start_spindle(turned, 1.0, out);
+                }
+            }
+            Step::Pause => self.m_function(0, None, out),
         }
         Ok(())
     }
 
     /// The numbers of a cycle: those of `block` and, for the cycle that was in force already, the ones before.
-    fn row(
-        &self,
-        cycle: Cycle,
-        block: &Block,
-        height: f64,
-        normal: Letter,
-    ) -> Result<Series, DecodeError> {
-        let before = self.series.filter(|series| series.cycle == cycle);
-        let number = cycle.number();
-        let word = |letter: Letter, before: Option<f64>| {
-            let missing = DecodeError::MissingCycleWord { cycle: number, letter: letter.as_char() };
-            block.get(letter).or(before).ok_or(missing)
-        };
-        let mut series = Series {
-            cycle,
-            initial: self.series.map_or(height, |series| series.initial),
-            retract: word(Letter::R, before.map(|series| series.retract))?,
-            bottom: word(normal, before.map(|series| series.bottom))?,
-            dwell: 0.0,
-            peck: 0.0,
-        };
-        match cycle {
-            Cycle::Drill => {}
-            Cycle::DrillDwell => {
-                series.dwell = word(Letter::P, before.map(|series| series.dwell))?;
-                State::dwell_ns(series.dwell)?;
-            }
-            Cycle::Peck => {
-                let peck = word(Letter::Q, before.map(|series| series.peck))?;
-                if peck <= 0.0 {
-                    return Err(DecodeError::NonPositivePeck(peck));
+    fn row(&self, cycle: Cycle, block: &Block, axes: [Axis; 3]) -> Result<Series, Problem> {
+        let mut series = self.series;
+        let motion = Motion::Cycle(cycle).number();
+        let goes_on = series.cycle == Some(cycle);
+        let word = |letter: Letter, before: &mut f64, optional: bool| {
+            match block.get(letter) {
+                Some(value) => *before = value,
+                None if goes_on || optional => {}
+                None => {
+                    let letter = letter.as_char();
+                    return Err(DecodeError::MissingWord { motion, letter });
                 }
-                series.peck = peck;
+            }
+            Ok(())
+        };
+        series.cycle = Some(cycle);
+        word(Letter::R, &mut series.retract, false)?;
+        word(axes[2].letter, &mut series.bottom, false)?;
+        if cycle.dwells() {
+            // As in LinuxCNC P of tapping may be that of any cycle before.
+            word(Letter::P, &mut series.dwell, cycle.taps())?;
+            Self::dwell_ns(series.dwell)?;
+        }
+        if cycle.pecks() {
+            word(Letter::Q, &mut series.peck, false)?;
+            block.check_above(&format!("G{motion}"), Letter::Q, series.peck, 0.0)?;
+        }
+        if cycle.back_bores() {
+            for (letter, before) in Letter::CENTER.into_iter().zip(&mut series.center) {
+                word(letter, before, false)?;
             }
         }
         Ok(series)
@@ -145,8 +327,8 @@ impl State {
 /// Checks that `repeats` holes of `pecks` pecks each are few enough.
 fn check_count(cycle: Cycle, repeats: u32, pecks: f64) -> Result<(), DecodeError> {
     let limit = MAX_CYCLE_MOVES;
-    let moves = if cycle == Cycle::Peck { 4.0 + 3.0 * pecks } else { 5.0 };
-    #[expect(clippy::cast_precision_loss, reason = "it is small")]
-    let max = limit as f64;
+    #[expect(clippy::cast_precision_loss, reason = "they are small")]
+    let (max, steps) = (limit as f64, steps(cycle).len() as f64);
+    let moves = 3.0 + steps + 3.0 * pecks;
     if moves * f64::from(repeats) <= max { Ok(()) } else { Err(DecodeError::EndlessCycle(limit)) }
 }

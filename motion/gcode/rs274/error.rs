@@ -155,17 +155,52 @@ pub enum DecodeError {
     /// G43 without a tool table. A warning.
     #[error("without a tool table the length of tool {0} is assumed to be 0")]
     NoToolTable(u32),
-    /// A canned cycle without a word it needs.
-    #[error("G{cycle} needs {letter}")]
-    MissingCycleWord {
-        /// Number of the cycle.
-        cycle: u8,
+    /// A canned cycle, thread or G96 without a word it needs.
+    #[error("G{motion} needs {letter}")]
+    MissingWord {
+        /// The number after G.
+        motion: f64,
         /// Letter of the word.
         letter: char,
     },
-    /// G83 with a Q that leads nowhere.
-    #[error("the peck Q of G83 is {}, it must be more than 0", Short(*.0))]
-    NonPositivePeck(f64),
+    /// A word of a canned cycle, of a thread or of M19 that is not more than its limit.
+    #[error("{letter} of {code} is {}, it must be more than {}", Short(*value), Short(*limit))]
+    TooSmall {
+        /// G or M word.
+        code: String,
+        /// Letter of the word.
+        letter: char,
+        /// Its number.
+        value: f64,
+        /// The number that it must exceed.
+        limit: f64,
+    },
+    /// G76 with I0.
+    #[error(
+        "I of G76 is 0, it must lead from the start to the peak of the thread: below 0 for outside, above 0 for inside"
+    )]
+    ThreadWithoutPeak,
+    /// A canned cycle or a thread without the spindle it needs.
+    #[error("G{motion} needs {needed}, but the spindle {found}; turn it on in a block before")]
+    SpindleDirection {
+        /// The number after G.
+        motion: f64,
+        /// M word that turns the spindle as needed.
+        needed: &'static str,
+        /// What the spindle does.
+        found: &'static str,
+    },
+    /// Feed per revolution with S0 or without S.
+    #[error("feed per revolution with a spindle speed of 0; program S above 0")]
+    ZeroSpeed,
+    /// G96 without D, and a feed per revolution at X0.
+    #[error(
+        "feed per revolution at X0, where G96 has no highest speed; program it with D in the block of G96"
+    )]
+    SurfaceSpeedAtCenter,
+    /// Probing with G95.
+    #[error("probing cannot be used with feed per revolution (G95); program G94 and F before it")]
+    ProbePerRevolution,
     /// The retract plane is below the bottom of the hole.
     #[error("the retract plane R at {} is below the bottom of the hole at {}", Short(*retract), Short(*bottom))]
     RetractBelowBottom {

@@ -78,9 +78,11 @@ mod parameters;
 mod probe;
 mod refeed;
 mod source;
+mod spindle;
 mod state;
 #[cfg(test)]
 mod tests;
+mod thread;
 mod tool_table;
 mod travel;
 mod word;

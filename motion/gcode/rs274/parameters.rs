@@ -11,6 +11,7 @@
 
 use super::options::LengthUnit;
 use super::state::State;
+use super::word::FeedMode;
 use std::collections::HashMap;
 use twin_number::Short;
 
@@ -206,7 +207,7 @@ impl State {
         let tenths = |code: f64| (code * 10.0).round();
         Some(match name {
             b"vmajor" => 2.9,
-            b"vminor" | b"task" | b"remap_level" | b"units_per_rev" => 0.0,
+            b"vminor" | b"task" | b"remap_level" => 0.0,
             b"line" => f64::from(self.parameters.line),
             b"motion_mode" => tenths(self.motion.number()),
             b"plane" => match self.plane {
@@ -219,8 +220,13 @@ impl State {
             b"imperial" => truth(self.units == LengthUnit::Inch),
             b"absolute" => truth(!self.relative),
             b"incremental" => truth(self.relative),
-            b"inverse_time" => truth(self.inverse_time),
-            b"units_per_minute" => truth(!self.inverse_time),
+            b"inverse_time" => truth(self.feed_mode == FeedMode::InverseTime),
+            b"units_per_minute" => truth(self.feed_mode == FeedMode::PerMinute),
+            b"units_per_rev" => truth(self.feed_mode == FeedMode::PerRevolution),
+            b"lathe_diameter_mode" => truth(self.diameters),
+            b"lathe_radius_mode" => truth(!self.diameters),
+            b"spindle_css_mode" => truth(self.surface_speed.is_some()),
+            b"spindle_rpm_mode" => truth(self.surface_speed.is_none()),
             b"coord_system" => self.offsets.system_number(),
             b"tool_offset" => truth(self.offsets.has_tool_length()),
             b"retract_r_plane" => truth(!self.initial_level),

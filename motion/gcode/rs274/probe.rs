@@ -6,6 +6,7 @@ use super::offsets::Location;
 use super::options::Position;
 use super::output::Output;
 use super::state::State;
+use super::word::FeedMode;
 use std::fmt;
 use std::sync::Arc;
 use twin_path::Place;
@@ -86,6 +87,10 @@ impl State {
         self.rotary |= block.letters().meets(Letters::ROTARY);
         let from = self.location;
         let mut to = self.target(block, self.relative)?;
+        if self.feed_mode == FeedMode::PerRevolution {
+            self.location = to;
+            return Err(DecodeError::ProbePerRevolution.into());
+        }
         let stays = from.program == to.program && from.program_rotary == to.program_rotary;
         let shape = self.line_to(&to);
         let Some(feed) = self.feed_for(&shape, &to, block.get(Letter::F))? else { return Ok(()) };

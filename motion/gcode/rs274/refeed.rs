@@ -7,6 +7,7 @@ use super::block::Letter;
 use super::decoder::{Decoder, MAX_LINE_BYTES};
 use super::options::{DecoderOptions, LengthUnit};
 use super::state::{Feed, MAX_FEED};
+use super::word::FeedMode;
 use crate::decode;
 use crate::refeed::{
     Edit, Interpreter, Limits, LineLimit, Reason, Refed, RefeedError, Unrepaired, has_room,
@@ -119,14 +120,14 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
             }
         }
         let word = decoder.block.get(Letter::F).filter(|f| (0.0..=MAX_FEED).contains(f));
-        match word.filter(|_| !decoder.state.inverse_time) {
+        match word.filter(|_| decoder.state.feed_mode != FeedMode::InverseTime) {
             Some(number) => {
                 let differs = self.written != self.programmed.map(feed_of);
                 self.doubtful = is_suppressed(line) && (self.doubtful || differs);
                 self.programmed = Some((number, units));
                 self.written = decoder.state.feed;
             }
-            None if decoder.block.g.inverse_time == Some(false) => {
+            None if decoder.block.g.feed_mode.is_some_and(|mode| mode != FeedMode::InverseTime) => {
                 (self.programmed, self.written) = (None, None);
             }
             None => {}
@@ -195,7 +196,7 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Interpreter for Running<I> {
             self.report(Reason::Rapid, rapid, limit.rapid, refed);
         }
         let Some(cut) = moves.cut else { return Ok(None) };
-        if self.decoder.state.inverse_time {
+        if self.decoder.state.feed_mode == FeedMode::InverseTime {
             return Ok(self.inverse(line, cut, limit.feed, refed));
         }
         let lowered = is_below(limit.feed, cut.feed);

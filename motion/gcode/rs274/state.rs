@@ -8,13 +8,14 @@ use super::options::{DecoderOptions, LengthUnit, PathMode, Position};
 use super::output::Output;
 use super::parameters::Parameters;
 use super::probe::ProbeTarget;
+use super::spindle::SurfaceSpeed;
 use super::tool_table::ToolTable;
-use super::word::{Cycle, Motion, OneShot};
+use super::word::{FeedMode, Motion, OneShot};
 use twin_path::{ElementKind, MParameters, Plane};
 
 /// Limits of numbers, in their own units.
 pub(super) const MAX_FEED: f64 = 1e9;
-const MAX_SPEED: f64 = 1e9;
+pub(super) const MAX_SPEED: f64 = 1e9;
 const MAX_DWELL_S: f64 = 1e6;
 
 /// F of G94 in both of its meanings.
@@ -60,16 +61,20 @@ pub(super) struct State {
     pub(super) motion: Motion,
     pub(super) relative: bool,
     pub(super) absolute_centers: bool,
-    pub(super) inverse_time: bool,
+    /// G7: X words are diameters.
+    pub(super) diameters: bool,
+    pub(super) feed_mode: FeedMode,
     pub(super) initial_level: bool,
     pub(super) path_mode: PathMode,
     pub(super) feed: Option<Feed>,
     /// F in force as the program wrote it.
     pub(super) feed_word: f64,
     pub(super) feed_reported: bool,
-    /// The canned cycles in a row, if the last motion was one.
-    pub(super) series: Option<Series>,
+    pub(super) series: Series,
+    /// S: revolutions per minute, or m/min or feet/min with G96.
     pub(super) speed: Option<f64>,
+    /// G96.
+    pub(super) surface_speed: Option<SurfaceSpeed>,
     /// M3 or M4.
     pub(super) spindle: Option<u16>,
     coolant_on: bool,
@@ -101,14 +106,16 @@ impl State {
             motion: Motion::Off,
             relative: false,
             absolute_centers: false,
-            inverse_time: false,
+            diameters: false,
+            feed_mode: FeedMode::default(),
             initial_level: false,
             path_mode: PathMode::default(),
             feed: None,
             feed_word: 0.0,
             feed_reported: false,
-            series: None,
+            series: Series::default(),
             speed: None,
+            surface_speed: None,
             spindle: None,
             coolant_on: false,
             selected_tool: None,
@@ -139,6 +146,13 @@ impl State {
     /// # Errors
     /// The error of the block. Nothing of it has been done then, or only what comes before in LinuxCNC's order.
     pub(super) fn execute(&mut self, block: &Block, out: &mut Output) -> Result<bool, Problem> {
+        let radius;
+        let block = if block.g.diameters.unwrap_or(self.diameters) {
+            radius = block.with_radius();
+            &radius
+        } else {
+            block
+        };
         // Most blocks: G1 X1 Y2, X1 Y2.
         let motion = self.motion_of(block)?;
         self.check_words(block, motion)?;
@@ -181,7 +195,8 @@ impl State {
                 Motion::Rapid | Motion::Line => self.go_straight(motion, block, out)?,
                 Motion::Arc { clockwise } => self.go_round(clockwise, block, out)?,
                 Motion::Probe(probing) => self.probe(probing, block, out)?,
-                Motion::Cycle(cycle) => self.drill(cycle, block, out)?,
+                Motion::Thread(thread) => self.cut_thread(thread, block, out)?,
+                Motion::Cycle(cycle) => self.run_cycle(cycle, block, out)?,
                 Motion::Off => {}
             }
         }
@@ -211,7 +226,7 @@ impl State {
             };
         }
         match (block.g.motion, axes) {
-            (Some(motion @ (Motion::Cycle(_) | Motion::Probe(_))), false) => {
+            (Some(motion @ (Motion::Cycle(_) | Motion::Thread(_) | Motion::Probe(_))), false) => {
                 Err(DecodeError::MissingAxes(motion.number()))
             }
             (Some(Motion::Off), true) => Err(DecodeError::AxesWithoutMotion),
@@ -234,12 +249,10 @@ impl State {
                 used = used.with(Letters::CENTER).with(Letters::of(&[Letter::P, Letter::R]));
             }
             Some(Motion::Cycle(cycle)) => {
-                used = used.without(Letters::ROTARY).with(Letters::of(&[Letter::L, Letter::R]));
-                used = match cycle {
-                    Cycle::Drill => used,
-                    Cycle::DrillDwell => used.with(Letters::of(&[Letter::P])),
-                    Cycle::Peck => used.with(Letters::of(&[Letter::Q])),
-                };
+                used = used.without(Letters::ROTARY).with(cycle.words());
+            }
+            Some(Motion::Thread(thread)) => {
+                used = thread.words().with(Letters::of(&[Letter::S, Letter::T]));
             }
             _ => {}
         }
@@ -251,6 +264,12 @@ impl State {
         }
         if block.g.tool_length == Some(true) {
             used = used.with(Letters::of(&[Letter::H]));
+        }
+        if block.g.surface_speed == Some(true) {
+            used = used.with(Letters::of(&[Letter::D]));
+        }
+        if block.m.spindle == Some(19) {
+            used = used.with(Letters::of(&[Letter::P, Letter::Q, Letter::R]));
         }
         if let Some(letter) = block.letters().without(used).first() {
             let error = DecodeError::UnusedWord(letter.as_char());
@@ -277,7 +296,11 @@ impl State {
     }
 
     /// The number of a word that must be from 0 to `max`.
-    fn in_range(block: &Block, letter: Letter, max: f64) -> Result<Option<f64>, Problem> {
+    pub(super) fn in_range(
+        block: &Block,
+        letter: Letter,
+        max: f64,
+    ) -> Result<Option<f64>, Problem> {
         let Some(value) = block.get(letter) else { return Ok(None) };
         if (0.0..=max).contains(&value) {
             return Ok(Some(value));
@@ -288,15 +311,15 @@ impl State {
     }
 
     fn set_feed(&mut self, block: &Block) -> Result<(), Problem> {
-        if let Some(inverse_time) = block.g.inverse_time {
-            self.inverse_time = inverse_time;
-            if !inverse_time {
+        if let Some(mode) = block.g.feed_mode {
+            self.feed_mode = mode;
+            if mode != FeedMode::InverseTime {
                 self.feed = None;
             }
         }
         let Some(feed) = Self::in_range(block, Letter::F, MAX_FEED)? else { return Ok(()) };
         self.feed_word = feed;
-        if !self.inverse_time {
+        if self.feed_mode != FeedMode::InverseTime {
             self.feed = Some(Feed::per_minute(feed, self.units));
             // F0 is none.
             self.feed_reported &= feed <= 0.0;
@@ -305,9 +328,7 @@ impl State {
     }
 
     fn set_tool_and_speed(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        if let Some(speed) = Self::in_range(block, Letter::S, MAX_SPEED)? {
-            self.speed = Some(speed);
-        }
+        self.set_speed(block)?;
         if let Some(tool) = block.whole(Letter::T, 0)? {
             self.find_tool(tool)?;
             self.selected_tool = Some(tool);
@@ -318,21 +339,12 @@ impl State {
             self.tool = self.selected_tool.unwrap_or(self.tool);
             self.m_function(6, Some(f64::from(self.tool)), out);
         }
-        if let Some(number) = block.m.spindle {
-            self.spindle = Some(number).filter(|number| *number != 5);
-            self.m_function(number, self.speed.filter(|_| number != 5), out);
-        }
+        self.turn_spindle(block, out)?;
         if let Some(number) = block.m.coolant {
             self.coolant_on = number != 9;
             self.m_function(number, None, out);
         }
         Ok(())
-    }
-
-    fn stop_spindle(&mut self, out: &mut Output) {
-        if self.spindle.take().is_some() {
-            self.m_function(5, None, out);
-        }
     }
 
     /// At the end of a program spindle and coolant stop.
@@ -358,12 +370,13 @@ impl State {
         if let Some(units) = words.units
             && units != self.units
         {
-            if let Some(series) = &mut self.series {
-                series.initial = units.convert_metres(self.units.to_metres(series.initial));
+            if let Some(initial) = &mut self.series.initial {
+                *initial = units.convert_metres(self.units.to_metres(*initial));
             }
             self.units = units;
             self.location.find_program(&self.offsets, units);
         }
+        self.diameters = words.diameters.unwrap_or(self.diameters);
         self.plane = words.plane.unwrap_or(self.plane);
         self.relative = words.relative.unwrap_or(self.relative);
         self.absolute_centers = words.absolute_centers.unwrap_or(self.absolute_centers);
@@ -373,7 +386,7 @@ impl State {
     fn set_motion(&mut self, motion: Motion) {
         self.motion = motion;
         if !matches!(motion, Motion::Cycle(_)) {
-            self.series = None;
+            (self.series.cycle, self.series.initial) = (None, None);
         }
     }
 
@@ -461,7 +474,7 @@ impl State {
         Ok(())
     }
 
-    fn m_function(&mut self, number: u16, k: Option<f64>, out: &mut Output) {
+    pub(super) fn m_function(&mut self, number: u16, k: Option<f64>, out: &mut Output) {
         let parameters = MParameters { k, ..MParameters::default() };
         self.stand(ElementKind::MFunction { number }, parameters, out);
     }

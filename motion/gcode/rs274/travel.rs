@@ -7,7 +7,7 @@ use super::offsets::Location;
 use super::options::Position;
 use super::output::Output;
 use super::state::State;
-use super::word::{Motion, OneShot};
+use super::word::{FeedMode, Motion, OneShot};
 use nalgebra::Point3;
 use twin_path::{Details, ElementKind, ExtraAxes, MParameters, PathElement, Shape};
 
@@ -267,8 +267,9 @@ impl State {
         };
         // The path goes on where it was to lead.
         self.location = *to;
-        let reported = self.feed_reported && !matches!(error, DecodeError::MissingInverseTime);
-        self.feed_reported |= !matches!(error, DecodeError::MissingInverseTime);
+        let of_block = !matches!(error, DecodeError::MissingFeed | DecodeError::ZeroFeed);
+        let reported = self.feed_reported && !of_block;
+        self.feed_reported |= !of_block;
         if reported { Ok(None) } else { Err(error.into()) }
     }
 
@@ -288,14 +289,18 @@ impl State {
         } else {
             None
         };
-        let feed = if self.inverse_time {
+        let feed = if self.feed_mode == FeedMode::InverseTime {
             let per_minute = inverse_time.ok_or(DecodeError::MissingInverseTime)?;
             let length = turned.map_or(length, |squares| squares.sum::<f64>().sqrt() * 1e-3);
             // Without a length there is no time to keep, and any feed is right.
             per_minute / 60.0 * if length > 0.0 { length } else { 1.0 }
         } else {
             let feed = self.feed.ok_or(DecodeError::MissingFeed)?;
-            if turned.is_some() { feed.rotary * 1e-3 } else { feed.linear }
+            let feed = if turned.is_some() { feed.rotary * 1e-3 } else { feed.linear };
+            match self.feed_mode {
+                FeedMode::PerRevolution if feed > 0.0 => feed * self.speed_to(to)?,
+                _ => feed,
+            }
         };
         if feed > 0.0 { Ok(feed) } else { Err(DecodeError::ZeroFeed) }
     }
@@ -382,16 +387,19 @@ pub(super) struct Axis {
     pub(super) center: Letter,
 }
 
+impl Axis {
+    pub(super) const X: Self = Self { index: 0, letter: Letter::X, center: Letter::I };
+    pub(super) const Y: Self = Self { index: 1, letter: Letter::Y, center: Letter::J };
+    pub(super) const Z: Self = Self { index: 2, letter: Letter::Z, center: Letter::K };
+}
+
 impl State {
     /// First and second axis of the plane in force, and its normal.
     pub(super) fn axes(&self) -> [Axis; 3] {
-        const X: Axis = Axis { index: 0, letter: Letter::X, center: Letter::I };
-        const Y: Axis = Axis { index: 1, letter: Letter::Y, center: Letter::J };
-        const Z: Axis = Axis { index: 2, letter: Letter::Z, center: Letter::K };
         match self.plane {
-            twin_path::Plane::Xy => [X, Y, Z],
-            twin_path::Plane::Zx => [Z, X, Y],
-            twin_path::Plane::Yz => [Y, Z, X],
+            twin_path::Plane::Xy => [Axis::X, Axis::Y, Axis::Z],
+            twin_path::Plane::Zx => [Axis::Z, Axis::X, Axis::Y],
+            twin_path::Plane::Yz => [Axis::Y, Axis::Z, Axis::X],
         }
     }
 

@@ -17,21 +17,39 @@ pub(super) enum Motion {
     },
     /// G38.2 to G38.5.
     Probe(Probing),
-    /// G81 to G83.
+    /// G33, G33.1 and G76.
+    Thread(Thread),
+    /// G73, G74 and G81 to G89.
     Cycle(Cycle),
     /// G80: nothing, axis words are errors.
     Off,
 }
 
-/// A canned cycle.
+/// A canned cycle: the number after G.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cycle {
-    /// G81.
-    Drill,
-    /// G82.
-    DrillDwell,
-    /// G83.
-    Peck,
+pub(super) struct Cycle(pub(super) u8);
+
+/// A motion that follows the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Thread {
+    /// G33.
+    Straight,
+    /// G33.1.
+    RigidTap,
+    /// G76.
+    Cycle,
+}
+
+/// Meaning of F.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum FeedMode {
+    /// G94.
+    #[default]
+    PerMinute,
+    /// G93.
+    InverseTime,
+    /// G95.
+    PerRevolution,
 }
 
 impl Motion {
@@ -43,19 +61,11 @@ impl Motion {
             Self::Arc { clockwise: true } => 2.0,
             Self::Arc { clockwise: false } => 3.0,
             Self::Probe(probing) => probing.g_number(),
-            Self::Cycle(cycle) => cycle.number().into(),
+            Self::Thread(Thread::Straight) => 33.0,
+            Self::Thread(Thread::RigidTap) => 33.1,
+            Self::Thread(Thread::Cycle) => 76.0,
+            Self::Cycle(Cycle(number)) => number.into(),
             Self::Off => 80.0,
-        }
-    }
-}
-
-impl Cycle {
-    /// The number after G.
-    pub(super) fn number(self) -> u8 {
-        match self {
-            Self::Drill => 81,
-            Self::DrillDwell => 82,
-            Self::Peck => 83,
         }
     }
 }
@@ -103,8 +113,12 @@ pub(super) struct GWords {
     pub(super) relative: Option<bool>,
     /// G90.1 (true), G91.1.
     pub(super) absolute_centers: Option<bool>,
-    /// G93 (true), G94.
-    pub(super) inverse_time: Option<bool>,
+    /// G93 to G95.
+    pub(super) feed_mode: Option<FeedMode>,
+    /// G96 (true), G97.
+    pub(super) surface_speed: Option<bool>,
+    /// G7 (true), G8.
+    pub(super) diameters: Option<bool>,
     /// G98 (true), G99.
     pub(super) initial_level: Option<bool>,
 }
@@ -140,9 +154,20 @@ impl GWords {
             383 => self.motion(Motion::Probe(Probing::TRY_TOUCH)),
             384 => self.motion(Motion::Probe(Probing::RELEASE)),
             385 => self.motion(Motion::Probe(Probing::TRY_RELEASE)),
-            810 => self.motion(Motion::Cycle(Cycle::Drill)),
-            820 => self.motion(Motion::Cycle(Cycle::DrillDwell)),
-            830 => self.motion(Motion::Cycle(Cycle::Peck)),
+            330 => self.motion(Motion::Thread(Thread::Straight)),
+            331 => self.motion(Motion::Thread(Thread::RigidTap)),
+            760 => self.motion(Motion::Thread(Thread::Cycle)),
+            730 => self.motion(Motion::Cycle(Cycle(73))),
+            740 => self.motion(Motion::Cycle(Cycle(74))),
+            810 => self.motion(Motion::Cycle(Cycle(81))),
+            820 => self.motion(Motion::Cycle(Cycle(82))),
+            830 => self.motion(Motion::Cycle(Cycle(83))),
+            840 => self.motion(Motion::Cycle(Cycle(84))),
+            850 => self.motion(Motion::Cycle(Cycle(85))),
+            860 => self.motion(Motion::Cycle(Cycle(86))),
+            870 => self.motion(Motion::Cycle(Cycle(87))),
+            880 => self.motion(Motion::Cycle(Cycle(88))),
+            890 => self.motion(Motion::Cycle(Cycle(89))),
             800 => self.motion(Motion::Off),
             40 => shot(self, OneShot::Dwell),
             280 => shot(self, OneShot::Home),
@@ -170,8 +195,13 @@ impl GWords {
             910 => set(&mut self.relative, true),
             901 => set(&mut self.absolute_centers, true),
             911 => set(&mut self.absolute_centers, false),
-            930 => set(&mut self.inverse_time, true),
-            940 => set(&mut self.inverse_time, false),
+            930 => set(&mut self.feed_mode, FeedMode::InverseTime),
+            940 => set(&mut self.feed_mode, FeedMode::PerMinute),
+            950 => set(&mut self.feed_mode, FeedMode::PerRevolution),
+            960 => set(&mut self.surface_speed, true),
+            970 => set(&mut self.surface_speed, false),
+            70 => set(&mut self.diameters, true),
+            80 => set(&mut self.diameters, false),
             980 => set(&mut self.initial_level, true),
             990 => set(&mut self.initial_level, false),
             _ => match (0..).zip(SYSTEMS).find(|(_, code)| *code == tenths) {
@@ -197,7 +227,7 @@ impl GWords {
 pub(super) struct MWords {
     /// M6.
     pub(super) tool_change: bool,
-    /// M3, M4 or M5.
+    /// M3, M4, M5 or M19.
     pub(super) spindle: Option<u16>,
     /// M7, M8 or M9.
     pub(super) coolant: Option<u16>,
@@ -210,7 +240,7 @@ impl MWords {
     pub(super) fn add(&mut self, number: u16) -> Result<(), CodeError> {
         match number {
             0 | 1 | 2 | 30 | 60 => set(&mut self.stop, number),
-            3..=5 => set(&mut self.spindle, number),
+            3..=5 | 19 => set(&mut self.spindle, number),
             6 if self.tool_change => Err(CodeError::Conflict),
             6 => {
                 self.tool_change = true;

@@ -201,7 +201,7 @@ proptest! {
                     | DecodeError::MachineFrameIncremental
                     | DecodeError::RetractBelowBottom { .. }
                     | DecodeError::EndlessCycle(_)
-                    | DecodeError::MissingCycleWord { .. }
+                    | DecodeError::MissingWord { .. }
                     | DecodeError::AxesWithoutMotion
                     | DecodeError::MissingFeed
                     | DecodeError::ProbeNowhere(_)
@@ -243,7 +243,7 @@ fn memory_is_bounded() {
         b"X1 ",
         b"#",
         b"\n",
-        b"G7 ",
+        b"G13 ",
         b"G1 X1 F1 L9\n",
         b"G0 X1\nX2\n",
         b"G91 G81 X.001 Z-1 R1 L2000 F1\n",
