@@ -54,6 +54,8 @@ pub enum Rule {
     ArcGeometry,
     /// A probing move that does not end as it must, or of which nobody knows how it ends.
     Probe,
+    /// A tool whose radius does not fit the contour.
+    CompensationGouge,
 }
 
 /// Error of a block in one dialect.

@@ -331,6 +331,7 @@ fn finding<E: TextError>(diagnostic: &Diagnostic<E>) -> Finding {
         decode::Rule::UnsupportedWord => Rule::UnsupportedWord,
         decode::Rule::ArcGeometry => Rule::ArcGeometry,
         decode::Rule::Probe => Rule::Probe,
+        decode::Rule::CompensationGouge => Rule::CompensationGouge,
     };
     let mut finding = Finding::error(rule, diagnostic.place, diagnostic.error.to_string());
     finding.columns.clone_from(&diagnostic.columns);

@@ -8,7 +8,7 @@ use crate::decode;
 use crate::decode::{Rule, TextError};
 use std::ops::Range;
 use twin_number::Short;
-use twin_path::{ProbeTrip, Probing};
+use twin_path::{Place, ProbeTrip, Probing};
 
 /// One thing wrong with a block.
 pub type Diagnostic = decode::Diagnostic<DecodeError>;
@@ -209,6 +209,84 @@ pub enum DecodeError {
         /// Height of the bottom.
         bottom: f64,
     },
+    /// Compensation in the plane of Y and Z.
+    #[error("G{0} needs the plane G17 or G18, not G19")]
+    CompensationPlane(f64),
+    /// Compensation that is on already.
+    #[error("G{0} begins cutter radius compensation, which is on already: end it with G40 before")]
+    CompensationTwice(f64),
+    /// A word that cannot be used with compensation.
+    #[error("{0} cannot be used with cutter radius compensation: end it with G40 before")]
+    Compensated(&'static str),
+    /// G92.1, G92.2 or G92.3 with compensation. A warning.
+    #[error(
+        "G92.1, G92.2 and G92.3 do nothing with cutter radius compensation, as in LinuxCNC: end it with G40 before"
+    )]
+    CompensatedOffset,
+    /// G41 or G42 without a tool table.
+    #[error(
+        "without a tool table G{word} does not know the diameter of tool {tool}: give a table, or use G{word}.1 with the diameter D"
+    )]
+    NoDiameter {
+        /// 41 or 42.
+        word: f64,
+        /// Number of the tool.
+        tool: u32,
+    },
+    /// G41.1 or G42.1 without D.
+    #[error("G{0} needs the diameter D of the tool")]
+    MissingDiameter(f64),
+    /// A lathe tool in another plane than that of X and Z.
+    #[error("G{word} needs the plane G18 for the orientation {orientation} of a lathe tool")]
+    LatheToolPlane {
+        /// 41, 42, 41.1 or 42.1.
+        word: f64,
+        /// Orientation of the tool.
+        orientation: u32,
+    },
+    /// An arc directly behind G40.
+    #[error("the first move behind G40 must be straight (G0 or G1)")]
+    ArcAfterCompensation,
+    /// An entry move that is too short.
+    #[error(
+        "the first move with cutter radius compensation is {} mm long in its plane; it must be longer than the tool's radius of {} mm: begin it further away",
+        Short(*length_mm),
+        Short(*radius_mm)
+    )]
+    CompensationEntry {
+        /// Distance of its end from its start in the plane, mm.
+        length_mm: f64,
+        /// Radius of the tool, mm.
+        radius_mm: f64,
+    },
+    /// The tool is within an arc that is too small for it.
+    #[error(
+        "the radius of the arc is {} mm; with the tool inside it must be larger than the tool's radius of {} mm: take a smaller tool",
+        Short(*arc_mm),
+        Short(*radius_mm)
+    )]
+    CompensationRadius {
+        /// Radius of the arc, mm.
+        arc_mm: f64,
+        /// Radius of the tool, mm.
+        radius_mm: f64,
+    },
+    /// An inner corner that the tool does not reach without gouging.
+    #[error(
+        "a tool with a radius of {} mm does not fit into the corner with the move of {other}: it would gouge the contour; take a smaller tool, or lengthen that move",
+        Short(*radius_mm)
+    )]
+    CompensationGouge {
+        /// Block of the other move.
+        other: Place,
+        /// Radius of the tool, mm.
+        radius_mm: f64,
+    },
+    /// Too much comes between two moves in the plane.
+    #[error(
+        "with cutter radius compensation {0} moves, dwells and M functions follow each other without a move in the plane, the most that are kept: end it with G40 before"
+    )]
+    CompensationQueue(usize),
     /// Too many repetitions or pecks.
     #[error("this canned cycle has more than {0} moves")]
     EndlessCycle(usize),
@@ -336,6 +414,9 @@ impl TextError for DecodeError {
             | Self::RadiusTooSmall { .. }
             | Self::ZeroRadius { .. }
             | Self::CenterMismatch { .. } => Rule::ArcGeometry,
+            Self::CompensationRadius { .. } | Self::CompensationGouge { .. } => {
+                Rule::CompensationGouge
+            }
             Self::ProbeTripped(_) | Self::ProbeNotTripped(_) | Self::ProbeUnknown(_) => Rule::Probe,
             _ => Rule::Syntax,
         }

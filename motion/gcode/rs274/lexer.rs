@@ -87,7 +87,9 @@ impl<'a> Lexer<'a> {
     }
 
     pub(super) fn problem(&self, start: usize, end: usize, error: DecodeError) -> Problem {
-        Problem { columns: Some(start..end.min(self.line.len())), error }
+        // At the end of the line: its last byte.
+        let end = end.min(self.line.len());
+        Problem { columns: Some(start.min(end.saturating_sub(1))..end), error }
     }
 
     /// An error of what has been read from `start` on.

@@ -12,9 +12,9 @@
 //! M7 to M9, G4, plane, units, G40, tool length, coordinate system, path mode, distance modes, retract mode, G28, G30
 //! and G92, motion, stop. Hence F in a line with G20 or G21 is in the units of the line before.
 //!
-//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G20, G21, G28, G30, G38.2 to G38.5, G40, G43, G49,
-//! G53 to G59.3, G61, G64, G80 to G83, G90, G91, G90.1, G91.1, G92 to G92.3, G93, G94, G98, G99, M0 to M9, M30, M60, M98,
-//! M99, F, S, T, H, N, A B C for rotary axes (as the extra axes P Q U, in degrees). Every other word is an error that
+//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G20, G21, G28, G30, G38.2 to G38.5, G40 to G42.1, G43,
+//! G49, G53 to G59.3, G61, G64, G80 to G83, G90, G91, G90.1, G91.1, G92 to G92.3, G93, G94, G98, G99, M0 to M9, M30, M60, M98,
+//! M99, F, S, T, D, H, N, A B C for rotary axes (as the extra axes P Q U, in degrees). Every other word is an error that
 //! names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
 //! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
 //!
@@ -53,6 +53,8 @@
 //!   documentation has it. Its interpreter lets them move with the feed in force before.
 //! - A start and end that are the same but for 1 µm make a full circle; LinuxCNC looks at the angle alone and makes
 //!   full circles of flat arcs.
+//! - The last compensated move of a program that ends with a second % amid G41 or G42 is part of the path. LinuxCNC
+//!   leaves it out.
 //! - The moves of one canned cycle block are at most [`MAX_CYCLE_MOVES`].
 //! - A block with an error changes only the modal state. LinuxCNC stops there; here the rest is read as well, so that
 //!   all errors are found.
@@ -64,6 +66,7 @@
 
 mod arc;
 mod block;
+mod compensation;
 mod cycle;
 mod decoder;
 mod error;

@@ -38,6 +38,11 @@ pub enum ParameterError {
     /// A parameter that shows the state of the interpreter.
     #[error("{0} cannot be set: it shows the state of the control")]
     ReadOnly(String),
+    /// A position that is not known while compensation is on.
+    #[error(
+        "the position #{0} cannot be read with cutter radius compensation, which decides it later: end it with G40 before"
+    )]
+    Compensated(u16),
 }
 
 /// A parameter.
@@ -150,6 +155,9 @@ impl State {
     /// [`ParameterError::NoValue`].
     pub(super) fn parameter(&self, target: &Target) -> Result<f64, ParameterError> {
         match target {
+            Target::Numbered(number @ 5420..=5428) if self.compensation_is_on() => {
+                Err(ParameterError::Compensated(*number))
+            }
             Target::Numbered(number) => Ok(self.numbered(*number)),
             Target::Named(name) => {
                 let known = self.parameters.names(name).and_then(|names| names.get(name).copied());
@@ -194,7 +202,7 @@ impl State {
     fn numbered(&self, number: u16) -> f64 {
         match number {
             5400 => f64::from(self.tool),
-            5420..=5422 => self.location.program[usize::from(number - 5420)],
+            5420..=5422 => self.compensated_program()[usize::from(number - 5420)],
             5423..=5425 => self.location.program_rotary[usize::from(number - 5423)],
             _ => self.parameters.get(number),
         }
@@ -215,7 +223,7 @@ impl State {
                 twin_path::Plane::Zx => 180.0,
                 twin_path::Plane::Yz => 190.0,
             },
-            b"ccomp" => 400.0,
+            b"ccomp" => self.compensation_number(),
             b"metric" => truth(self.units == LengthUnit::Millimetre),
             b"imperial" => truth(self.units == LengthUnit::Inch),
             b"absolute" => truth(!self.relative),

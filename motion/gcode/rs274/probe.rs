@@ -85,7 +85,8 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         self.rotary |= block.letters().meets(Letters::ROTARY);
-        let from = self.location;
+        let mut from = self.location;
+        from.machine = self.tool_position();
         let mut to = self.target(block, self.relative)?;
         if self.feed_mode == FeedMode::PerRevolution {
             self.location = to;

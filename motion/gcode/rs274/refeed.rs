@@ -32,8 +32,11 @@ pub fn refeed(
     limits: impl IntoIterator<Item = io::Result<LineLimit>>,
     out: impl Write,
 ) -> Result<Refed, RefeedError> {
+    let mut decoder = Decoder::new(Cursor::new(Vec::new()), options.clone());
+    // A compensated move comes with the next line. Its feed is that of the programmed one.
+    decoder.state.ignore_compensation();
     let interpreter = Running {
-        decoder: Decoder::new(Cursor::new(Vec::new()), options.clone()),
+        decoder,
         limits: Limits::new(limits.into_iter()),
         programmed: None,
         written: None,

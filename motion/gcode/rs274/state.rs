@@ -1,6 +1,7 @@
 //! Modal state of the RS274 interpreter: G codes, offsets, feed and tool between blocks, and the execution of a block.
 
 use super::block::{Block, Letter, Letters};
+use super::compensation::Compensation;
 use super::cycle::Series;
 use super::error::{DecodeError, Problem};
 use super::offsets::{Location, Offsets};
@@ -10,7 +11,7 @@ use super::parameters::Parameters;
 use super::probe::ProbeTarget;
 use super::spindle::SurfaceSpeed;
 use super::tool_table::ToolTable;
-use super::word::{FeedMode, Motion, OneShot};
+use super::word::{Compensate, FeedMode, Motion, OneShot};
 use twin_path::{ElementKind, MParameters, Plane};
 
 /// Limits of numbers, in their own units.
@@ -44,13 +45,14 @@ pub(super) struct State {
     pub(super) keep_empty_moves: bool,
     g28: Position,
     g30: Position,
-    tools: Option<ToolTable>,
+    pub(super) tools: Option<ToolTable>,
     /// Target of the probe, if it is known.
     pub(super) probe_target: Option<Box<dyn ProbeTarget>>,
     pub(super) probe_settle_ns: i64,
 
     pub(super) offsets: Offsets,
     pub(super) location: Location,
+    pub(super) compensation: Compensation,
     /// End of the last element; none before the first.
     pub(super) path_end: Option<Position>,
     /// A rotary axis has been named.
@@ -99,6 +101,7 @@ impl State {
             probe_settle_ns: options.probe_settle_ns,
             offsets,
             location,
+            compensation: Compensation::default(),
             path_end: None,
             rotary: options.start.rotary.iter().any(|angle| *angle != 0.0),
             units: options.units,
@@ -130,6 +133,7 @@ impl State {
         if self.set_feed(block).is_err() {
             self.feed_reported = true;
         }
+        self.adopt_compensation(block);
         self.set_modes(block);
         if let Some(motion) = block.g.motion {
             self.set_motion(motion);
@@ -156,6 +160,7 @@ impl State {
         // Most blocks: G1 X1 Y2, X1 Y2.
         let motion = self.motion_of(block)?;
         self.check_words(block, motion)?;
+        self.check_before_compensation(block, out)?;
         self.set_feed(block)?;
         self.set_tool_and_speed(block, out)?;
         if block.g.one_shot == Some(OneShot::Dwell) {
@@ -163,6 +168,8 @@ impl State {
             self.dwell(seconds, out)?;
         }
         self.set_modes(block);
+        self.set_compensation(block, out)?;
+        self.check_compensated(block, motion)?;
         self.set_tool_length(block, out)?;
         if let Some(system) = block.g.system {
             self.offsets.select(system);
@@ -177,7 +184,11 @@ impl State {
                 | OneShot::ClearOffset
                 | OneShot::SuspendOffset
                 | OneShot::RestoreOffset),
-            ) => self.set_g92(shot, block),
+            ) => {
+                if !self.keeps_offsets(shot, out) {
+                    self.set_g92(shot, block);
+                }
+            }
             Some(OneShot::Dwell | OneShot::MachineFrame) | None => {}
         }
         if let Some(motion) = block.g.motion {
@@ -199,6 +210,9 @@ impl State {
                 Motion::Cycle(cycle) => self.run_cycle(cycle, block, out)?,
                 Motion::Off => {}
             }
+        }
+        if block.m.stop.is_some() {
+            self.settle_compensation(out)?;
         }
         match block.m.stop {
             Some(2 | 30) => return Ok(false),
@@ -261,6 +275,9 @@ impl State {
         }
         if block.g.exact_path == Some(false) {
             used = used.with(Letters::of(&[Letter::P, Letter::Q]));
+        }
+        if block.g.compensation.is_some_and(|word| word != Compensate::Off) {
+            used = used.with(Letters::of(&[Letter::D, Letter::L]));
         }
         if block.g.tool_length == Some(true) {
             used = used.with(Letters::of(&[Letter::H]));
@@ -349,6 +366,7 @@ impl State {
 
     /// At the end of a program spindle and coolant stop.
     pub(super) fn end(&mut self, out: &mut Output) {
+        self.release(out);
         self.stop_spindle(out);
         if std::mem::take(&mut self.coolant_on) {
             self.m_function(9, None, out);
@@ -408,8 +426,11 @@ impl State {
             }
         };
         let moved = self.offsets.set_tool(offset);
-        for (machine, moved) in self.location.machine.linear.iter_mut().zip(moved) {
-            *machine += moved;
+        let positions = [Some(&mut self.location.machine), self.compensation.tool.as_mut()];
+        for position in positions.into_iter().flatten() {
+            for (machine, moved) in position.linear.iter_mut().zip(moved) {
+                *machine += moved;
+            }
         }
         self.location.find_program(&self.offsets, self.units);
         Ok(())

@@ -17,8 +17,10 @@ pub struct Tool {
     /// From the controlled point to the tip, the other way round: what G43 adds to X, Y and Z, m. The length of a
     /// milling tool is Z.
     pub offset: [f64; 3],
-    /// Diameter (D), m.
+    /// Diameter (D), m. If it is negative, G41 and G42 change sides.
     pub diameter: f64,
+    /// Orientation (Q) of a lathe tool, 1 to 9; 0 of a mill.
+    pub orientation: u8,
 }
 
 /// Tools by number.
@@ -62,7 +64,7 @@ pub enum ToolTableError {
         number: u32,
     },
     /// A number beyond what any machine has.
-    #[error("line {line}: {letter}{value} is too large")]
+    #[error("line {line}: {letter}{value} is out of range")]
     OutOfRange {
         /// Line of the file, counted from 1.
         line: u32,
@@ -106,8 +108,8 @@ impl ToolTable {
         table
     }
 
-    /// Reads LinuxCNC's format with lengths in `unit`, that of the machine. Offsets of rotary and further axes, pocket,
-    /// angles and orientation are read but not kept.
+    /// Reads LinuxCNC's format with lengths in `unit`, that of the machine. Offsets of rotary and further axes, pocket
+    /// and angles are read but not kept.
     ///
     /// # Errors
     /// See [`ToolTableError`].
@@ -176,7 +178,13 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
             'X' => *x = length,
             'Y' => *y = length,
             'Z' => *z = length,
-            'D' => tool.diameter = length.abs(),
+            'D' => tool.diameter = length,
+            'Q' => {
+                let orientation = whole(value).and_then(|number| u8::try_from(number).ok());
+                let known = orientation.filter(|orientation| *orientation <= 9);
+                let error = ToolTableError::OutOfRange { line, letter, value };
+                tool.orientation = known.ok_or(error)?;
+            }
             _ => {}
         }
     }

@@ -97,17 +97,26 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         self.rotary |= block.letters().meets(Letters::ROTARY);
+        self.check_exit(true)?;
         let to = if block.g.one_shot == Some(OneShot::MachineFrame) {
             self.machine_target(block)?
         } else {
             self.target(block, self.relative)?
         };
+        if self.is_compensated() {
+            return self.compensate_line(motion, block, to, out);
+        }
         if motion == Motion::Rapid {
             self.rapid(to, out);
             return Ok(());
         }
-        let shape = self.line_to(&to);
-        self.cut(shape, to, block.get(Letter::F), out)
+        // Behind G40 LinuxCNC's inverse time is that of the programmed line too.
+        let programmed = self.programmed_line(&to);
+        if let Some(feed) = self.feed_for(&programmed, &to, block.get(Letter::F))? {
+            let shape = self.line_to(&to);
+            self.go(ElementKind::Cut, shape, feed, to, out);
+        }
+        Ok(())
     }
 
     /// G2 and G3.
@@ -118,11 +127,14 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         self.rotary |= block.letters().meets(Letters::ROTARY);
+        self.check_exit(false)?;
         let to = self.target(block, self.relative)?;
         match self.arc(clockwise, block, &to) {
+            Ok(shape) if self.is_compensated() => self.compensate_arc(&shape, block, to, out),
             Ok(shape) => self.cut(shape, to, block.get(Letter::F), out),
             Err(problem) => {
                 // The blocks after it continue where it was to end.
+                self.interrupt_compensation(out);
                 self.location = to;
                 Err(problem)
             }
@@ -223,7 +235,7 @@ impl State {
 
     pub(super) fn line_to(&self, to: &Location) -> Shape {
         Shape::Line {
-            start: Point3::from(self.location.machine.linear),
+            start: Point3::from(self.tool_position().linear),
             end: Point3::from(to.machine.linear),
         }
     }
@@ -315,7 +327,9 @@ impl State {
         to: Location,
         out: &mut Output,
     ) {
-        let from = std::mem::replace(&mut self.location, to).machine;
+        let from = self.tool_position();
+        self.compensation.tool = None;
+        self.location = to;
         let kept = self.keep_empty_moves || matches!(kind, ElementKind::Probe { .. });
         if !kept && shape.length() <= 0.0 && from.rotary == to.machine.rotary {
             return;
@@ -326,7 +340,10 @@ impl State {
 
     /// Waits, or calls an M function, where the tool is.
     pub(super) fn stand(&mut self, kind: ElementKind, parameters: MParameters, out: &mut Output) {
-        let at = self.location.machine;
+        if self.wait_for_corner(kind, parameters, out) {
+            return;
+        }
+        let at = self.tool_position();
         self.connect(&at, out);
         let point = Point3::from(at.linear);
         let shape = Shape::Line { start: point, end: point };

@@ -91,6 +91,30 @@ pub(super) enum OneShot {
     RestoreOffset,
 }
 
+/// Group 7: cutter radius compensation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Compensate {
+    /// G40.
+    Off,
+    /// G41 (left), G42: diameter of a tool of the table.
+    Tool { left: bool },
+    /// G41.1 (left), G42.1: diameter D.
+    Diameter { left: bool },
+}
+
+impl Compensate {
+    /// The number after G.
+    pub(super) fn number(self) -> f64 {
+        match self {
+            Self::Off => 40.0,
+            Self::Tool { left: true } => 41.0,
+            Self::Tool { left: false } => 42.0,
+            Self::Diameter { left: true } => 41.1,
+            Self::Diameter { left: false } => 42.1,
+        }
+    }
+}
+
 /// Work coordinate systems G54 to G59.3, in tenths.
 const SYSTEMS: [u16; 9] = [540, 550, 560, 570, 580, 590, 591, 592, 593];
 
@@ -101,8 +125,7 @@ pub(super) struct GWords {
     pub(super) one_shot: Option<OneShot>,
     pub(super) plane: Option<Plane>,
     pub(super) units: Option<LengthUnit>,
-    /// G40.
-    pub(super) compensation_off: bool,
+    pub(super) compensation: Option<Compensate>,
     /// G43 (true), G49.
     pub(super) tool_length: Option<bool>,
     /// G54 to G59.3 as 0 to 8.
@@ -182,11 +205,11 @@ impl GWords {
             190 => set(&mut self.plane, Plane::Yz),
             200 => set(&mut self.units, LengthUnit::Inch),
             210 => set(&mut self.units, LengthUnit::Millimetre),
-            400 if self.compensation_off => Err(CodeError::Conflict),
-            400 => {
-                self.compensation_off = true;
-                Ok(())
-            }
+            400 => set(&mut self.compensation, Compensate::Off),
+            410 => set(&mut self.compensation, Compensate::Tool { left: true }),
+            420 => set(&mut self.compensation, Compensate::Tool { left: false }),
+            411 => set(&mut self.compensation, Compensate::Diameter { left: true }),
+            421 => set(&mut self.compensation, Compensate::Diameter { left: false }),
             430 => set(&mut self.tool_length, true),
             490 => set(&mut self.tool_length, false),
             610 => set(&mut self.exact_path, true),

@@ -5,7 +5,9 @@
 //! them takes every feed as inches per minute. Where only rotary axes move it is degrees per minute, as `rs274 -g`
 //! shows, which passes the same F on for moves in X and in A; [`correct_rotary_feeds`] undoes it.
 
-use super::moves::{Move, assert_same_moves, decode_as_linuxcnc, moves_before_error};
+use super::moves::{
+    LOWEST_INVERSE_TIME, Move, assert_same_moves, decode_as_linuxcnc, moves_before_error,
+};
 use super::*;
 use crate::decode::{Rule, TextError};
 use crate::rs274::DecodeError;
@@ -51,7 +53,37 @@ fn linuxcnc(program: &Path) -> (Vec<Move>, Option<String>) {
     let stopped = (verdict["rc"] != 0).then(|| verdict["message"].as_str().unwrap().to_owned());
     let mut moves: Vec<Move> = objects.iter().map(as_linuxcnc_move).collect();
     correct_rotary_feeds(&mut moves);
+    correct_threads(&String::from_utf8_lossy(&fs::read(program).unwrap()), &mut moves);
+    if program.ends_with("linuxcnc_debian/comp311.ngc") {
+        // The script that wrote the moves forgot the end of the arc before M6. `rs274 -g` goes on from there: of
+        // `g0 x1.4 y2.8`, `g2 x2 y3 i.6 j-.8`, `t4 m6`, `g0 z1` the last is STRAIGHT_TRAVERSE(2, 3, 1).
+        let rapid = moves.iter_mut().find(|one| one.line == 23).unwrap();
+        assert_eq!(rapid.points, [35.56, 71.12, 25.4]);
+        rapid.points = vec![50.8, 76.2, 25.4];
+    }
     (moves, stopped)
+}
+
+/// Leaves out the feeds of threads (G33, G33.1): the script has the F before, and the spindle makes them. It also leaves
+/// out the way back of G33.1.
+fn correct_threads(text: &str, moves: &mut Vec<Move>) {
+    let lines: Vec<String> = text.lines().map(str::to_ascii_lowercase).collect();
+    let (mut corrected, mut before) = (Vec::new(), vec![0.0; 3]);
+    for mut one in moves.drain(..) {
+        let line = &lines[one.line as usize - 1];
+        let end = one.points.get(..3).map(<[f64]>::to_vec);
+        if line.starts_with("g33") {
+            one.feed = LOWEST_INVERSE_TIME;
+        }
+        if line.starts_with("g33.1") {
+            let back = Move { points: before.clone(), ..one.clone() };
+            corrected.extend([one, back]);
+            continue;
+        }
+        before = end.unwrap_or(before);
+        corrected.push(one);
+    }
+    *moves = corrected;
 }
 
 /// Makes the feeds of moves in which no linear axis takes part degrees per minute. The programs with such moves are in
@@ -166,13 +198,6 @@ fn words_that_are_not_understood_are_told() {
         let rule = assert_first_error(outside, &decoded, &text);
         assert_eq!(rule, Rule::UnsupportedWord, "{name}");
         let mut expected = linuxcnc(&path).0;
-        if name == "linuxcnc_debian/comp311.ngc" {
-            // The script that wrote the moves forgot the end of the arc before M6. `rs274 -g` goes on from there: of
-            // `g0 x1.4 y2.8`, `g2 x2 y3 i.6 j-.8`, `t4 m6`, `g0 z1` the last is STRAIGHT_TRAVERSE(2, 3, 1).
-            let rapid = expected.iter_mut().find(|expected| expected.line == 23).unwrap();
-            assert_eq!(rapid.points, [35.56, 71.12, 25.4]);
-            rapid.points = vec![50.8, 76.2, 25.4];
-        }
         // LinuxCNC goes on.
         expected.truncate(moves_before_error(&decoded).len());
         assert_same_moves(name, &decoded, &expected);

@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "rounded before, or to be the same bit for bit")]
 #![expect(clippy::cast_precision_loss, reason = "counts and dwells: far below 2^53")]
 
+mod compensation;
 mod corpus;
 mod errors;
 mod generate;

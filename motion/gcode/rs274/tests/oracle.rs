@@ -49,6 +49,7 @@ fn options() -> DecoderOptions {
         number,
         offset: offset.map(|length| length / 1e3),
         diameter: diameter / 1e3,
+        ..Tool::default()
     });
     let mut options = DecoderOptions {
         tools: Some(ToolTable::new(tools)),

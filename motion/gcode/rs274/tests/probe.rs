@@ -71,7 +71,7 @@ fn options_of(example: &Value) -> DecoderOptions {
     options.start = place("start");
     (options.work_offsets[0], options.work_offsets[1]) = (place("g54"), place("g55"));
     options.keep_empty_moves = example["keep_empty_moves"] != false;
-    let tool = Tool { number: 3, offset: [0.0, 0.0, 0.05], diameter: 0.0 };
+    let tool = Tool { number: 3, offset: [0.0, 0.0, 0.05], ..Tool::default() };
     options.tools = Some(ToolTable::new([tool]));
     if example["tip"] == true {
         options.reference = ToolReference::Tip;
@@ -184,7 +184,7 @@ fn what_the_target_is_asked() {
     let asked = Arc::clone(&paths);
     let mut options = among(move || Asked { paths: Arc::clone(&asked), answer: None });
     options.work_offsets[0] = at([0.0, 0.0, 0.001]);
-    let tool = Tool { number: 2, offset: [0.0, 0.001, 0.02], diameter: 0.0 };
+    let tool = Tool { number: 2, offset: [0.0, 0.001, 0.02], ..Tool::default() };
     options.tools = Some(ToolTable::new([tool]));
     elements_with(options, "G43 H2 G0 X0 Y0 Z0\nN7 G38.5 X8 A45 F60\nG1 X9\nG38.3 X7 F30\nM2");
     let rotary = [45.0, 0.0, 0.0];

@@ -55,7 +55,8 @@ fn options() -> impl Strategy<Value = DecoderOptions> {
                 tools: Some(ToolTable::new((0..50).map(|number| Tool {
                     number,
                     offset: [0.0, 1e-3, 1e-3 * f64::from(number)],
-                    diameter: 0.0,
+                    diameter: 1e-4 * f64::from(number),
+                    orientation: 0,
                 }))),
                 ..DecoderOptions::default()
             };

@@ -23,11 +23,17 @@ fn file() {
     let table = table();
     let numbers: Vec<u32> = table.as_slice().iter().map(|tool| tool.number).collect();
     assert_eq!(numbers, [0, 1, 2, 99_999]);
-    let first = Tool { number: 1, offset: [0.0, 0.0, 0.051_125], diameter: 0.006_35 };
+    let first =
+        Tool { number: 1, offset: [0.0, 0.0, 0.051_125], diameter: 0.006_35, ..Tool::default() };
     assert_eq!(table.get(1), Some(&first));
     assert_eq!(
         table.get(2),
-        Some(&Tool { number: 2, offset: [0.001, -0.002, 0.010_5], diameter: 0.003 })
+        Some(&Tool {
+            number: 2,
+            offset: [0.001, -0.002, 0.010_5],
+            diameter: -0.003,
+            orientation: 1
+        })
     );
     assert_eq!(table.get(3), None);
     let inches = ToolTable::read(&b"T1 Z2 D.5"[..], LengthUnit::Inch).unwrap();
@@ -48,7 +54,7 @@ fn errors_of_the_file() {
         ("T1.5 Z5", "line 1: a tool needs a whole number T"),
         ("T-1 Z5", "line 1: a tool needs a whole number T"),
         ("T1\nT2\nT1", "line 3: tool 1 is there already"),
-        ("T1 Z1000001", "line 1: Z1000001 is too large"),
+        ("T1 Z1000001", "line 1: Z1000001 is out of range"),
     ] {
         assert_eq!(message(text), expected, "{text}");
     }

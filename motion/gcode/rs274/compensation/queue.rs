@@ -1,0 +1,208 @@
+//! Queue of compensated moves: the last move in the plane, whose end the next corner decides, and what comes behind it.
+
+use super::corner::{Frame, sweep};
+use crate::rs274::LengthUnit;
+use crate::rs274::error::{DecodeError, Problem};
+use crate::rs274::options::Position;
+use crate::rs274::output::Output;
+use crate::rs274::state::State;
+use nalgebra::{Point3, Vector2, Vector3};
+use std::f64::consts::{PI, TAU};
+use twin_path::{Arc, ElementKind, MParameters, Place, Shape};
+
+/// Arcs that turn by less than this, rad, are full turns if that is what they were.
+const SAME_ANGLE: f64 = 1e-6;
+
+/// Curve of a move in the plane. Points are in the frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Curve {
+    Line {
+        /// Direction as it is programmed, of any length; zero where it must not matter.
+        direction: Vector2<f64>,
+    },
+    Arc {
+        center: Vector2<f64>,
+        /// Turns that are begun, positive to the left.
+        turns: f64,
+        /// Angle as it is programmed, rad; none of an arc around a corner, whose end stays.
+        programmed: Option<f64>,
+    },
+}
+
+/// A move of the tool's centre.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Move {
+    pub(super) kind: ElementKind,
+    pub(super) feed: f64,
+    pub(super) curve: Curve,
+    /// In the frame, m.
+    pub(super) end: Vector2<f64>,
+    /// Along the normal of the plane, m.
+    pub(super) height: f64,
+    /// Rotary axes at the end, degrees.
+    pub(super) rotary: [f64; 3],
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Item {
+    Move(Move),
+    /// A dwell or an M function.
+    Wait(ElementKind, MParameters),
+}
+
+/// Moves that wait for the next corner, and what comes between them.
+#[derive(Debug, Default)]
+pub(super) struct Queue {
+    frame: Frame,
+    /// See [`super::Cutter`].
+    shift: [f64; 3],
+    /// Where the first of them begins, in the frame; none if that is not known or does not matter.
+    pub(super) start: Option<Vector2<f64>>,
+    items: Vec<(Place, Item)>,
+}
+
+impl Queue {
+    pub(super) fn new(frame: Frame, shift: [f64; 3]) -> Self {
+        Self { frame, shift, ..Self::default() }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.items.len()
+    }
+
+    /// The move that the next corner cuts off, and its block.
+    pub(super) fn front(&self) -> Option<(Place, &Move)> {
+        self.items.iter().find_map(|(place, item)| match item {
+            Item::Move(first) => Some((*place, first)),
+            Item::Wait(..) => None,
+        })
+    }
+
+    pub(super) fn push(&mut self, place: Place, next: Move) {
+        self.items.push((place, Item::Move(next)));
+    }
+
+    /// Checks that all moves can end at `end` instead: several if the tool goes up and down in the corner.
+    fn move_ends(
+        &mut self,
+        end: Vector2<f64>,
+        radius: f64,
+        units: LengthUnit,
+    ) -> Result<(), DecodeError> {
+        // LinuxCNC's, in program units and, of angles, rad.
+        let largest_difference = units.to_metres(0.01);
+        let largest_growth = match units {
+            LengthUnit::Millimetre => 0.025_4,
+            LengthUnit::Inch => 0.001,
+        };
+        for (place, item) in &mut self.items {
+            let Item::Move(one) = item else { continue };
+            let fits = match one.curve {
+                Curve::Line { direction } => {
+                    self.start.is_none_or(|start| direction.dot(&(end - start)) >= 0.0)
+                }
+                Curve::Arc { center, turns, programmed } => {
+                    let difference = (one.end - center).norm() - (end - center).norm();
+                    let grows = self.start.zip(programmed).is_some_and(|(start, programmed)| {
+                        let now = sweep(start, center, turns, end);
+                        now.abs() > programmed.abs() + largest_growth
+                    });
+                    difference.abs() <= largest_difference && !grows
+                }
+            };
+            if !fits {
+                return Err(DecodeError::CompensationGouge {
+                    other: *place,
+                    radius_mm: radius * 1e3,
+                });
+            }
+            one.end = end;
+        }
+        Ok(())
+    }
+}
+
+impl State {
+    /// Keeps a dwell or an M function for later if moves wait that come before it; false if none do.
+    pub(in crate::rs274) fn wait_for_corner(
+        &mut self,
+        kind: ElementKind,
+        parameters: MParameters,
+        out: &Output,
+    ) -> bool {
+        let waits = self.compensation.queue.len() > 0;
+        if waits {
+            self.compensation.queue.items.push((out.place(), Item::Wait(kind, parameters)));
+        }
+        waits
+    }
+
+    /// Lets the moves that wait end at `end`, does them, and makes `end` the start of what comes next.
+    ///
+    /// # Errors
+    /// [`DecodeError::CompensationGouge`]. The moves still wait then.
+    pub(super) fn end_waiting_at(
+        &mut self,
+        end: Vector2<f64>,
+        out: &mut Output,
+    ) -> Result<(), Problem> {
+        if self.compensation.queue.len() == 0 {
+            return Ok(());
+        }
+        let radius = self.compensation.cutter.map_or(0.0, |cutter| cutter.radius);
+        self.compensation.queue.move_ends(end, radius, self.units)?;
+        self.release(out);
+        self.compensation.queue.start = Some(end);
+        Ok(())
+    }
+
+    /// Does the moves that wait.
+    pub(in crate::rs274) fn release(&mut self, out: &mut Output) {
+        self.compensation.queue.start = None;
+        if self.compensation.queue.len() == 0 {
+            return;
+        }
+        let (programmed, place) = (self.location, out.place);
+        let mut items = std::mem::take(&mut self.compensation.queue.items);
+        let (frame, shift) = (self.compensation.queue.frame, self.compensation.queue.shift);
+        for (place, item) in items.drain(..) {
+            out.place = place;
+            let one = match item {
+                Item::Move(one) => one,
+                Item::Wait(kind, parameters) => {
+                    self.stand(kind, parameters, out);
+                    continue;
+                }
+            };
+            let start = Point3::from(self.tool_position().linear);
+            let shape = one.shape(start, frame, Vector3::from(shift));
+            let mut to = programmed;
+            to.machine = Position { linear: shape.end().into(), rotary: one.rotary };
+            self.go(one.kind, shape, one.feed, to, out);
+            self.compensation.tool = Some(to.machine);
+        }
+        // Its memory serves the next ones.
+        self.compensation.queue.items = items;
+        (self.location, out.place) = (programmed, place);
+    }
+}
+
+impl Move {
+    /// The move from `start`, m.
+    fn shape(&self, start: Point3<f64>, frame: Frame, shift: Vector3<f64>) -> Shape {
+        let end = frame.point(self.end, self.height) + shift;
+        let Curve::Arc { center, turns, programmed } = self.curve else {
+            return Shape::Line { start, end };
+        };
+        let (from, _) = frame.flat((start - shift).into());
+        let mut angle = sweep(from, center, turns, self.end);
+        // Rounding must not turn a full circle into none.
+        let rest = angle.abs() - (turns.abs() - 1.0) * TAU;
+        let whole = programmed.is_some_and(|angle| angle.abs() - (turns.abs() - 1.0) * TAU > PI);
+        if rest < SAME_ANGLE && whole {
+            angle += turns.signum() * TAU;
+        }
+        let center = frame.point(center, self.height) + shift;
+        Shape::Arc(Arc::in_plane(frame.plane, start, end, center, frame.side * angle))
+    }
+}
