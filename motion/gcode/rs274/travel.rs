@@ -334,7 +334,9 @@ impl State {
         if !kept && shape.length() <= 0.0 && from.rotary == to.machine.rotary {
             return;
         }
-        self.connect(&from, out);
+        // Behind an error an arc may begin elsewhere.
+        let start = Position { linear: shape.start().into(), rotary: from.rotary };
+        self.connect(&start, out);
         self.emit(kind, shape, feed, [from.rotary, to.machine.rotary], None, out);
     }
 

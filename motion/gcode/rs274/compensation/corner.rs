@@ -122,7 +122,10 @@ pub(super) fn arc_to_line(
     along: Vector2<f64>,
     radius: f64,
 ) -> Option<Vector2<f64>> {
-    let height = (arc.center - corner).dot(&left(along)) - radius;
+    // LinuxCNC's distance of the corner from the centre. It differs where an entry arc turns about a point on the other
+    // side of its end.
+    let distance = arc.radius + arc.side * radius;
+    let height = (arc.center - corner).normalize().dot(&left(along)) * distance - radius;
     let half = half_chord(arc.radius, height)?;
     Some(arc.center - left(along) * height - along * (arc.side * half))
 }

@@ -24,7 +24,7 @@ pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
     let scrap = prop_oneof![
         4 => "[NGXYZABCIJKRFMTSHPQLOUEDngxyzijkrf$/%();\\[\\]#= \t.,+-]{0,3}",
         6 => "[NGXYZABCIJKRFMTSHPQLO]-?[0-9]{0,4}\\.?[0-9]{0,3} ?",
-        3 => "G(0|1|2|3|4|17|18|19|2[018]|30|38\\.[2-5]|4[039]|5[3-9]|59\\.[123]|61|64|8[0-3]|9[0-4]|9[01]\\.1|92\\.[123]|98|99) ",
+        3 => "G(0|1|2|3|4|17|18|19|2[018]|30|38\\.[2-5]|4[0-39]|4[12]\\.1|5[3-9]|59\\.[123]|61|64|8[0-3]|9[0-4]|9[01]\\.1|92\\.[123]|98|99) ",
         1 => "G(81|82|83) X1 Z-[0-9]{1,9} R[0-9] Q\\.?[0-9] P[0-9] L[0-9]{1,6} ",
         1 => "M(0|1|2|[3-9]|30|60) ",
         3 => "\r?\n",
@@ -110,7 +110,7 @@ fn block() -> impl Strategy<Value = String> {
         1 => (0..50).prop_map(|tool| format!("G43 H{tool}")),
         3 => prop::sample::select(vec![
             "G17", "G18", "G19", "G20", "G21", "G90", "G91", "G90.1", "G91.1", "G94 F100",
-            "G54", "G55", "G59.3", "G49", "G61", "G64 P.1", "G92.1", "G92.2", "G92.3", "G98",
+            "G54", "G55", "G59.3", "G49", "G40", "G41", "G42 D9", "G41.1 D2", "G61", "G64 P.1", "G92.1", "G92.2", "G92.3", "G98",
             "G99", "G4 P.25", "M3 S100", "M6 T3", "M8", "M0", "(text)", "; text", "", "F7.5",
         ]).prop_map(str::to_owned),
     ]
@@ -195,7 +195,7 @@ proptest! {
         let options = DecoderOptions { tools: Some(ToolTable::new(tools)), ..DecoderOptions::default() };
         let decoded = decode_with(options, lines.join("\n").as_bytes());
         for error in &decoded.errors {
-            let geometry = error.error.rule() == Rule::ArcGeometry;
+            let geometry = [Rule::ArcGeometry, Rule::CompensationGouge].contains(&error.error.rule());
             let other = matches!(
                 error.error,
                 DecodeError::OutOfRange { .. }
@@ -206,6 +206,11 @@ proptest! {
                     | DecodeError::AxesWithoutMotion
                     | DecodeError::MissingFeed
                     | DecodeError::ProbeNowhere(_)
+                    | DecodeError::Compensated(_)
+                    | DecodeError::CompensationTwice(_)
+                    | DecodeError::CompensationPlane(_)
+                    | DecodeError::CompensationEntry { .. }
+                    | DecodeError::ArcAfterCompensation
             );
             prop_assert!(geometry || other, "{error}\n{}", lines.join("\n"));
         }
