@@ -40,6 +40,8 @@ pub struct LineLimit {
 pub enum Reason {
     /// A rapid of RS274: its velocity is the machine's.
     Rapid,
+    /// A thread of RS274: F does not govern it, or another F would spoil it.
+    Thread,
     /// No feed is low enough: the limit is (next to) zero.
     NoFeed,
     /// The line has no room for another word.
@@ -50,6 +52,9 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Rapid => "F does not govern rapids",
+            Self::Thread => {
+                "the feed of a thread follows from its pitch and the spindle speed; lower S"
+            }
             Self::NoFeed => "no feed is low enough",
             Self::LongLine => "the line has no room for another word",
         })

@@ -7,8 +7,11 @@
 //! clear level     R (G99), or the initial level if that is higher (G98)
 //! ```
 //!
+//! Words may be left out where the same cycle is in force. Their numbers, also that of the initial level, hold in the
+//! units of the block: after G20 they are inches, as in LinuxCNC.
+//!
 //! If the initial level is below R, the tool first goes up to R. Then for each repetition: a rapid in the plane (at
-//! R, or at the height at hand if that is above), a rapid down to R, and the [steps](steps) of the cycle.
+//! R, or at the height at hand if that is above), a rapid down to R, and the [`steps`] of the cycle.
 
 use super::LengthUnit;
 use super::block::{Block, Letter, Letters};

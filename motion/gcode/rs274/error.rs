@@ -181,7 +181,9 @@ pub enum DecodeError {
     )]
     ThreadWithoutPeak,
     /// A canned cycle or a thread without the spindle it needs.
-    #[error("G{motion} needs {needed}, but the spindle {found}; turn it on in a block before")]
+    #[error(
+        "G{motion} needs a spindle that turns with {needed}, but it {found}; program {needed} before it"
+    )]
     SpindleDirection {
         /// The number after G.
         motion: f64,

@@ -8,14 +8,15 @@
 //! X10.5 Y-3                           G1 goes on
 //! ```
 //!
-//! Within a line the order of words does not matter; they act in LinuxCNC's order: feed mode, F, S, T, M6, M3 to M5,
-//! M7 to M9, G4, plane, units, G40, tool length, coordinate system, path mode, distance modes, retract mode, G28, G30
-//! and G92, motion, stop. Hence F in a line with G20 or G21 is in the units of the line before.
+//! Within a line the order of words does not matter; they act in LinuxCNC's order: feed mode, F, speed mode, S, T, M6,
+//! M3 to M5 and M19, M7 to M9, G4, plane, units, diameters, G40, tool length, coordinate system, path mode, distance
+//! modes, retract mode, G28, G30 and G92, motion, stop. Hence F in a line with G20 or G21 is in the units of the line
+//! before.
 //!
-//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G20, G21, G28, G30, G38.2 to G38.5, G40 to G42.1, G43,
-//! G49, G53 to G59.3, G61, G64, G80 to G83, G90, G91, G90.1, G91.1, G92 to G92.3, G93, G94, G98, G99, M0 to M9, M30, M60, M98,
-//! M99, F, S, T, D, H, N, A B C for rotary axes (as the extra axes P Q U, in degrees). Every other word is an error that
-//! names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
+//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G7, G8, G20, G21, G28, G30, G33, G33.1, G38.2 to G38.5,
+//! G40 to G42.1, G43, G49, G53 to G59.3, G61, G64, G73, G74, G76, G80 to G89, G90, G91, G90.1, G91.1, G92 to G92.3, G93 to
+//! G99, M0 to M9, M19, M30, M60, M98, M99, F, S, T, D, H, N, A B C for rotary axes (as the extra axes P Q U, in degrees).
+//! Every other word is an error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
 //! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
 //!
 //! Values are numbers, parameters (`#1`, `#<name>`), functions and expressions in brackets; see `expression.rs` and
@@ -25,11 +26,17 @@
 //! Messages (MSG, DEBUG, PRINT, ...) are notes with their text and are not carried out. Elements of a subroutine file
 //! have the line of the call.
 //!
-//! M words: M0, M1, M3 to M9 and M60 are elements at which the path waits
+//! M words: M0, M1, M3 to M9, M19 and M60 are elements at which the path waits
 //! ([`ElementKind::MFunction`](twin_path::ElementKind::MFunction)), so that a spindle has its speed and coolant flows
-//! before the tool cuts; M3 and M4 carry the speed S as their parameter K, M6 the tool's number. M2 and M30 end the
-//! program; spindle and coolant that are on stop there (M5, M9), the spindle also before M6. S alone, T alone, G61 and
-//! G64 change no path; see [`Decoder::spindle_speed`], [`Decoder::tool`] and [`Decoder::path_mode`].
+//! before the tool cuts; M3 and M4 carry the speed S as their parameter K, M6 the tool's number, M19 its angle R in
+//! degrees (and its direction P as L). M2 and M30 end the program; spindle and coolant that are on stop there (M5, M9),
+//! the spindle also before M6. S alone, T alone, G61 and G64 change no path; see [`Decoder::spindle_speed`],
+//! [`Decoder::tool`] and [`Decoder::path_mode`].
+//!
+//! Spindle: feeds per revolution (G95, G33, G33.1, G76) become feeds along the path for the speed S, whether or not the
+//! spindle is at that speed; the angle of the spindle is not part of the path. With G96 the speed follows from the
+//! radius X: a cut has the lower speed of its two ends, M3 and M4 have that of the place. Canned cycles and G33.1 stop
+//! and turn the spindle with M3, M4, M5 and M19.
 //!
 //! Probing moves (G38.2 to G38.5, [`ElementKind::Probe`](twin_path::ElementKind::Probe)) end where the probe trips,
 //! as computed from the [`Surroundings`]; the program goes on from there. A probe that does not trip where it must
@@ -45,8 +52,6 @@
 //! - Lines may be longer than 255 characters.
 //! - `continue` and `break` of a loop act as documented. In LinuxCNC a `break` of a `while` loop also ends the next `do`
 //!   loop after one pass, and a `break` between `continue` and the end of its `do` loop counts although it is passed over.
-//! - After G20 or G21 amid canned cycles G98 returns to the level at which they began. LinuxCNC takes the number of
-//!   the old units for one of the new.
 //! - A block in inverse time (G93) takes the time that F says, and F0 is an error. LinuxCNC's interpreter goes at 0.1
 //!   units per minute at least, so that a short move with a long turn is faster.
 //! - Probing moves in inverse time (G93) take as long as F says, if they do not trip, and need it, as LinuxCNC's
@@ -55,7 +60,14 @@
 //!   full circles of flat arcs.
 //! - The last compensated move of a program that ends with a second % amid G41 or G42 is part of the path. LinuxCNC
 //!   leaves it out.
-//! - The moves of one canned cycle block are at most [`MAX_CYCLE_MOVES`].
+//! - The moves of one canned cycle block and of G76 are at most [`MAX_CYCLE_MOVES`].
+//! - G88 leaves the hole with a rapid behind its stop M0. In LinuxCNC the next rapid begins at the bottom.
+//! - G74 and G84 in G18 and G19 tap along the normal of the plane. LinuxCNC mixes up their axes.
+//! - Pitches that are not above 0, and feeds per revolution without a speed, are errors. LinuxCNC checks the speed only
+//!   for G1 to G3.
+//! - G7 and G8 in the block of G76 act as in a block before. LinuxCNC halves or doubles I, J and K once more.
+//! - G33.1 and G76 take no words of rotary axes; LinuxCNC takes those that do not move them.
+//! - M19 without R and P turns the spindle to 0°, as LinuxCNC's documentation has it; its interpreter does nothing.
 //! - A block with an error changes only the modal state. LinuxCNC stops there; here the rest is read as well, so that
 //!   all errors are found.
 

@@ -1,13 +1,13 @@
 //! Feed reduction for this dialect: rewrites F words that a machine cannot reach; see [`crate::refeed`].
 //!
-//! F per minute (G94) is modal, F of inverse time (G93) belongs to its line. F does not govern rapids: those of G0,
+//! F per minute (G94) and per revolution (G95) are modal, F of inverse time (G93) belongs to its line. F does not govern rapids: those of G0,
 //! G28, G30 and of canned cycles are reported if they are too fast.
 
 use super::block::Letter;
 use super::decoder::{Decoder, MAX_LINE_BYTES};
 use super::options::{DecoderOptions, LengthUnit};
 use super::state::{Feed, MAX_FEED};
-use super::word::FeedMode;
+use super::word::{FeedMode, Motion};
 use crate::decode;
 use crate::refeed::{
     Edit, Interpreter, Limits, LineLimit, Reason, Refed, RefeedError, Unrepaired, has_room,
@@ -71,6 +71,8 @@ struct Cut {
     feed: f64,
     /// Only rotary axes move.
     turns: bool,
+    /// What F is multiplied by for a feed per minute: 1, or the speed of the spindle with G95.
+    speed: f64,
 }
 
 impl Moves {
@@ -79,7 +81,7 @@ impl Moves {
             ElementKind::Cut | ElementKind::Probe { .. } => {
                 let rotates = element.extra().is_some_and(|extra| extra.length() > 0.0);
                 let turns = rotates && element.shape.length() <= 0.0;
-                self.cut = Some(Cut { feed: element.feed, turns });
+                self.cut = Some(Cut { feed: element.feed, turns, speed: 1.0 });
             }
             ElementKind::Rapid if element.length() > 0.0 => {
                 self.rapid = Some(self.rapid.map_or(element.feed, |feed| feed.max(element.feed)));
@@ -92,11 +94,12 @@ impl Moves {
 impl Cut {
     /// Part of a feed in force that applies to it, as in [`PathElement::feed`].
     fn own(self, feed: Feed) -> f64 {
-        if self.turns { feed.rotary * 1e-3 } else { feed.linear }
+        self.speed * if self.turns { feed.rotary * 1e-3 } else { feed.linear }
     }
 
     /// The F word of a feed.
     fn number(self, feed: f64, units: LengthUnit) -> f64 {
+        let feed = feed / self.speed;
         if self.turns { feed * 1e3 * 60.0 } else { units.convert_metres(feed) * 60.0 }
     }
 }
@@ -121,6 +124,11 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
             if let Ok(decode::Item::Element(element)) = item {
                 moves.include(&element);
             }
+        }
+        if let (Some(cut), Some(feed)) = (&mut moves.cut, decoder.state.feed)
+            && decoder.state.feed_mode == FeedMode::PerRevolution
+        {
+            cut.speed = cut.feed / cut.own(feed);
         }
         let word = decoder.block.get(Letter::F).filter(|f| (0.0..=MAX_FEED).contains(f));
         match word.filter(|_| decoder.state.feed_mode != FeedMode::InverseTime) {
@@ -199,10 +207,19 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Interpreter for Running<I> {
             self.report(Reason::Rapid, rapid, limit.rapid, refed);
         }
         let Some(cut) = moves.cut else { return Ok(None) };
+        let motion = self.decoder.state.motion;
+        let threads = matches!(motion, Motion::Thread(_));
+        let taps = threads || matches!(motion, Motion::Cycle(cycle) if cycle.taps());
+        if taps && is_below(limit.feed, cut.feed) {
+            self.report(Reason::Thread, cut.feed, limit.feed, refed);
+        }
+        if threads {
+            return Ok(None);
+        }
         if self.decoder.state.feed_mode == FeedMode::InverseTime {
             return Ok(self.inverse(line, cut, limit.feed, refed));
         }
-        let lowered = is_below(limit.feed, cut.feed);
+        let lowered = !taps && is_below(limit.feed, cut.feed);
         let (number, text) = if lowered {
             if let Some(lower) = rounded_down(cut.number(limit.feed, units)) {
                 refed.lowered += 1;

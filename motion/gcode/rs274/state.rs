@@ -388,9 +388,6 @@ impl State {
         if let Some(units) = words.units
             && units != self.units
         {
-            if let Some(initial) = &mut self.series.initial {
-                *initial = units.convert_metres(self.units.to_metres(*initial));
-            }
             self.units = units;
             self.location.find_program(&self.offsets, units);
         }

@@ -73,11 +73,11 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         self.rotary |= block.letters().meets(Letters::ROTARY);
-        let to = self.target(block, self.relative)?;
+        let (from, to) = (self.location, self.target(block, self.relative)?);
         let result = self.thread_to(thread, block, to, out);
-        if result.is_err() && thread != Thread::RigidTap {
+        if result.is_err() {
             // The path goes on where it was to lead.
-            self.location = to;
+            self.location = if thread == Thread::RigidTap { from } else { to };
         }
         result
     }

@@ -5,6 +5,7 @@
 
 mod compensation;
 mod corpus;
+mod cycles;
 mod errors;
 mod generate;
 mod linuxcnc;

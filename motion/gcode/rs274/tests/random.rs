@@ -24,9 +24,11 @@ pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
     let scrap = prop_oneof![
         4 => "[NGXYZABCIJKRFMTSHPQLOUEDngxyzijkrf$/%();\\[\\]#= \t.,+-]{0,3}",
         6 => "[NGXYZABCIJKRFMTSHPQLO]-?[0-9]{0,4}\\.?[0-9]{0,3} ?",
-        3 => "G(0|1|2|3|4|17|18|19|2[018]|30|38\\.[2-5]|4[0-39]|4[12]\\.1|5[3-9]|59\\.[123]|61|64|8[0-3]|9[0-4]|9[01]\\.1|92\\.[123]|98|99) ",
+        3 => "G(0|1|2|3|4|17|18|19|2[018]|30|38\\.[2-5]|4[0-39]|4[12]\\.1|5[3-9]|59\\.[123]|61|64|7|8|33|33\\.1|7[346]|8[0-9]|9[0-7]|9[01]\\.1|92\\.[123]|98|99) ",
         1 => "G(81|82|83) X1 Z-[0-9]{1,9} R[0-9] Q\\.?[0-9] P[0-9] L[0-9]{1,6} ",
-        1 => "M(0|1|2|[3-9]|30|60) ",
+        2 => "(M3 S90 G8[4-8]|M4 S.5 G74|M3 S9 G7 G76|S[0-9] G33(.1)?) Z-[0-9]{1,6} [PQ][0-9] I-?[0-9] J[0-9] K[0-9] R[0-9] H[0-9]{1,6} E[0-9] L[0-9] ",
+        1 => "(G95 F.1|G96 D9?) S[0-9]{1,4} ",
+        1 => "M(0|1|2|[3-9]|19|30|60) ",
         3 => "\r?\n",
         1 => "\\PC{0,4}",
     ];
@@ -99,9 +101,9 @@ fn block() -> impl Strategy<Value = String> {
             "G{g} {words} R{}", f64::from(r) / 1e3
         )),
         2 => (2..4, words("IJ"), 1..5).prop_map(|(g, words, p)| format!("G17 G{g} {words} P{p} Z1")),
-        2 => (81..84_usize, words("XY"), 1..50, 1..9, 1..4).prop_map(|(g, words, depth, r, l)| {
-            let word = ["", "P.1", "Q.7"][g - 81];
-            format!("G90 G17 G94 F100 G{g} {words} Z-{depth} R{r} {word} L{l}")
+        2 => (0..7_usize, words("XY"), 1..50, 1..9, 1..4).prop_map(|(cycle, words, depth, r, l)| {
+            let cycle = ["G81", "G82 P.1", "G83 Q.7", "G73 Q.9", "G85", "M3 G87 I1 J.1 K-1", "G89 P.1"][cycle];
+            format!("G90 G17 G94 F100 {cycle} {words} Z-{depth} R{r} L{l}")
         }),
         1 => (words("XYZ"), 0..3_usize).prop_map(|(words, g)| {
             let word = ["G28", "G30", "G92"][g];
@@ -109,7 +111,7 @@ fn block() -> impl Strategy<Value = String> {
         }),
         1 => (0..50).prop_map(|tool| format!("G43 H{tool}")),
         3 => prop::sample::select(vec![
-            "G17", "G18", "G19", "G20", "G21", "G90", "G91", "G90.1", "G91.1", "G94 F100",
+            "G17", "G18", "G19", "G20", "G21", "G90", "G91", "G90.1", "G91.1", "G94 F100", "G95 S90 F.7",
             "G54", "G55", "G59.3", "G49", "G40", "G41", "G42 D9", "G41.1 D2", "G61", "G64 P.1", "G92.1", "G92.2", "G92.3", "G98",
             "G99", "G4 P.25", "M3 S100", "M6 T3", "M8", "M0", "(text)", "; text", "", "F7.5",
         ]).prop_map(str::to_owned),
@@ -211,6 +213,8 @@ proptest! {
                     | DecodeError::CompensationPlane(_)
                     | DecodeError::CompensationEntry { .. }
                     | DecodeError::ArcAfterCompensation
+                    | DecodeError::ProbePerRevolution
+                    | DecodeError::SpindleDirection { .. }
             );
             prop_assert!(geometry || other, "{error}\n{}", lines.join("\n"));
         }

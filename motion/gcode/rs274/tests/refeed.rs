@@ -42,10 +42,11 @@ fn feeds_are_lowered_where_they_must() {
     check_examples::<Rs274>(include_str!("refeed.json"), 1.0 / 6e4);
 }
 
-/// F does not reach rapids, also those of canned cycles; the cut of a cycle it does. No F is low enough for 0.
+/// F does not reach rapids, also those of canned cycles; the cut of a cycle it does. Threads keep their feed. No F is
+/// low enough for 0.
 #[test]
 fn what_stays_too_fast_is_reported() {
-    use Reason::{NoFeed, Rapid};
+    use Reason::{NoFeed, Rapid, Thread};
     for (program, limits, expected, reported) in [
         (
             "G0 X10\nG81 X1 Z-1 R1 F100\nX5\nG1 X6\nM2",
@@ -59,6 +60,13 @@ fn what_stays_too_fast_is_reported() {
             &[((2, false), 0.05 / 6e4), ((3, false), 0.0)],
             "G93\nG1 X1 F0.05\nX2 F1\nM2",
             &[(3, NoFeed, 0.0)],
+        ),
+        // Threads and tapping need their feeds.
+        (
+            "F60 M3 S60 G84 Z-1 R1\nG33 Z5 K2\nG1 X5\nM2",
+            &[((1, false), 0.5e-3), ((2, false), 1e-3), ((3, false), 0.5e-3)],
+            "F60 M3 S60 G84 Z-1 R1\nG33 Z5 K2\nG1 X5 F30\nM2",
+            &[(1, Thread, 0.5e-3), (2, Thread, 1e-3)],
         ),
     ] {
         let (text, refed) = written::<Rs274>(program.as_bytes(), &limits.iter().copied().collect());
