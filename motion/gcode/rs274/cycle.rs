@@ -40,7 +40,7 @@ pub(super) struct Series {
 }
 
 /// A height of a cycle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Level {
     Bottom,
     /// Top of the bore of G87.
@@ -50,7 +50,7 @@ enum Level {
 }
 
 /// A part of a cycle at one hole.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
     Feed(Level),
     Rapid(Level),
@@ -107,25 +107,17 @@ fn steps(cycle: Cycle) -> &'static [Step] {
 }
 
 impl Cycle {
-    fn has(self, test: impl Fn(&Step) -> bool) -> bool {
-        steps(self).iter().any(test)
-    }
-
-    fn dwells(self) -> bool {
-        self.has(|step| matches!(step, Step::Dwell))
+    fn has(self, step: Step) -> bool {
+        steps(self).contains(&step)
     }
 
     fn pecks(self) -> bool {
-        self.has(|step| matches!(step, Step::Peck { .. }))
+        matches!(self.0, 73 | 83)
     }
 
     /// Tapping with a floating chuck.
     pub(super) fn taps(self) -> bool {
-        self.has(|step| matches!(step, Step::Reverse))
-    }
-
-    fn back_bores(self) -> bool {
-        self.has(|step| matches!(step, Step::Aside(_)))
+        self.has(Step::Reverse)
     }
 
     /// The words of the cycle other than those of axes.
@@ -135,13 +127,13 @@ impl Cycle {
         if self.0 != 74 {
             words = words.with(Letters::of(&[Letter::L]));
         }
-        if self.dwells() {
+        if self.has(Step::Dwell) {
             words = words.with(Letters::of(&[Letter::P]));
         }
         if self.pecks() {
             words = words.with(Letters::of(&[Letter::Q]));
         }
-        if self.back_bores() {
+        if self.has(Step::Aside(true)) {
             words = words.with(Letters::CENTER);
         }
         words
@@ -152,7 +144,7 @@ impl Cycle {
         match self.0 {
             74 => &[4],
             84 => &[3],
-            _ if self.has(|step| matches!(step, Step::Stop)) => &[3, 4],
+            _ if self.has(Step::Stop) => &[3, 4],
             _ => &[],
         }
     }
@@ -281,7 +273,7 @@ impl State {
             Step::Orient => self.orient_spindle(0.0, None, out),
             Step::Start | Step::Reverse => {
                 if let Some(number) = hole.spindle {
-                    let turned = if matches!(step, Step::Reverse) { 7 - number } else { number };
+                    let turned = if step == Step::Reverse { 7 - number } else { number };
                     self.start_spindle(turned, 1.0, out);
                 }
             }
@@ -309,7 +301,7 @@ impl State {
         series.cycle = Some(cycle);
         word(Letter::R, &mut series.retract, false)?;
         word(axes[2].letter, &mut series.bottom, false)?;
-        if cycle.dwells() {
+        if cycle.has(Step::Dwell) {
             // As in LinuxCNC P of tapping may be that of any cycle before.
             word(Letter::P, &mut series.dwell, cycle.taps())?;
             Self::dwell_ns(series.dwell)?;
@@ -318,7 +310,7 @@ impl State {
             word(Letter::Q, &mut series.peck, false)?;
             block.check_above(&format!("G{motion}"), Letter::Q, series.peck, 0.0)?;
         }
-        if cycle.back_bores() {
+        if cycle.has(Step::Aside(true)) {
             for (letter, before) in Letter::CENTER.into_iter().zip(&mut series.center) {
                 word(letter, before, false)?;
             }

@@ -1,7 +1,8 @@
 //! Feed reduction for this dialect: rewrites F words that a machine cannot reach; see [`crate::refeed`].
 //!
-//! F per minute (G94) and per revolution (G95) are modal, F of inverse time (G93) belongs to its line. F does not govern rapids: those of G0,
-//! G28, G30 and of canned cycles are reported if they are too fast.
+//! F per minute (G94) and per revolution (G95) are modal, F of inverse time (G93) belongs to its line. F does not
+//! govern rapids: those of G0, G28, G30 and of canned cycles are reported if they are too fast. So are threads and
+//! tapping, whose feeds follow from the pitch.
 
 use super::block::Letter;
 use super::decoder::{Decoder, MAX_LINE_BYTES};

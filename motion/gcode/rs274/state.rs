@@ -150,13 +150,9 @@ impl State {
     /// # Errors
     /// The error of the block. Nothing of it has been done then, or only what comes before in LinuxCNC's order.
     pub(super) fn execute(&mut self, block: &Block, out: &mut Output) -> Result<bool, Problem> {
-        let radius;
-        let block = if block.g.diameters.unwrap_or(self.diameters) {
-            radius = block.with_radius();
-            &radius
-        } else {
-            block
-        };
+        let diameters = block.g.diameters.unwrap_or(self.diameters);
+        let radius = diameters.then(|| block.with_radius());
+        let block = radius.as_ref().unwrap_or(block);
         // Most blocks: G1 X1 Y2, X1 Y2.
         let motion = self.motion_of(block)?;
         self.check_words(block, motion)?;

@@ -27,7 +27,7 @@ pub(super) enum Motion {
 
 /// A canned cycle: the number after G.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Cycle(pub(super) u8);
+pub(super) struct Cycle(pub(super) u16);
 
 /// A motion that follows the spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,17 +180,9 @@ impl GWords {
             330 => self.motion(Motion::Thread(Thread::Straight)),
             331 => self.motion(Motion::Thread(Thread::RigidTap)),
             760 => self.motion(Motion::Thread(Thread::Cycle)),
-            730 => self.motion(Motion::Cycle(Cycle(73))),
-            740 => self.motion(Motion::Cycle(Cycle(74))),
-            810 => self.motion(Motion::Cycle(Cycle(81))),
-            820 => self.motion(Motion::Cycle(Cycle(82))),
-            830 => self.motion(Motion::Cycle(Cycle(83))),
-            840 => self.motion(Motion::Cycle(Cycle(84))),
-            850 => self.motion(Motion::Cycle(Cycle(85))),
-            860 => self.motion(Motion::Cycle(Cycle(86))),
-            870 => self.motion(Motion::Cycle(Cycle(87))),
-            880 => self.motion(Motion::Cycle(Cycle(88))),
-            890 => self.motion(Motion::Cycle(Cycle(89))),
+            730 | 740 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 => {
+                self.motion(Motion::Cycle(Cycle(tenths / 10)))
+            }
             800 => self.motion(Motion::Off),
             40 => shot(self, OneShot::Dwell),
             280 => shot(self, OneShot::Home),

@@ -125,6 +125,7 @@ impl State {
             .or(match motion {
                 Some(Motion::Probe(_)) => Some("a probing move (G38.2 to G38.5)"),
                 Some(Motion::Cycle(_)) => Some("a canned cycle"),
+                Some(Motion::Thread(_)) => Some("a thread (G33, G33.1, G76)"),
                 _ => None,
             });
         word.map_or(Ok(()), |word| Err(DecodeError::Compensated(word).into()))
