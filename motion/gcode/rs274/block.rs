@@ -259,6 +259,9 @@ impl Block {
         columns: &Range<usize>,
     ) -> Result<(), DecodeError> {
         let name = letter.as_char();
+        if matches!(name, 'U' | 'V' | 'W') {
+            return Err(DecodeError::UnsupportedAxis(name));
+        }
         if !Letters::KNOWN.contains(letter) {
             return Err(DecodeError::UnsupportedLetter(name));
         }

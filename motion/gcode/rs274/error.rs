@@ -4,6 +4,7 @@ use super::expression::ExpressionError;
 use super::flow::FlowError;
 use super::message::Message;
 use super::parameters::ParameterError;
+use super::settings::OffsetError;
 use crate::decode;
 use crate::decode::{Rule, TextError};
 use std::ops::Range;
@@ -292,6 +293,12 @@ pub enum DecodeError {
     /// Too many repetitions or pecks.
     #[error("this canned cycle has more than {0} moves")]
     EndlessCycle(usize),
+    /// Offsets set by the program.
+    #[error(transparent)]
+    Offset(#[from] OffsetError),
+    /// A word of a second set of linear axes.
+    #[error("{0} axes are not supported; the axes are X Y Z A B C")]
+    UnsupportedAxis(char),
     /// A letter that is not executed.
     #[error("{0} words are not supported")]
     UnsupportedLetter(char),
@@ -406,7 +413,9 @@ impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
             Self::InFile { error, .. } => error.rule(),
-            Self::UnsupportedLetter(_) | Self::UnsupportedCode { .. } => Rule::UnsupportedWord,
+            Self::UnsupportedLetter(_)
+            | Self::UnsupportedAxis(_)
+            | Self::UnsupportedCode { .. } => Rule::UnsupportedWord,
             Self::ArcWithoutCenter
             | Self::RadiusAndCenter
             | Self::CenterOutsidePlane(_)
@@ -415,6 +424,7 @@ impl TextError for DecodeError {
             | Self::RadiusWithoutChord
             | Self::RadiusTooSmall { .. }
             | Self::ZeroRadius { .. }
+            | Self::Offset(OffsetError::RotatedArc(_))
             | Self::CenterMismatch { .. } => Rule::ArcGeometry,
             Self::CompensationRadius { .. } | Self::CompensationGouge { .. } => {
                 Rule::CompensationGouge

@@ -8,14 +8,15 @@
 //! X10.5 Y-3                           G1 goes on
 //! ```
 //!
-//! Within a line the order of words does not matter; they act in LinuxCNC's order: feed mode, F, speed mode, S, T, M6,
-//! M3 to M5 and M19, M7 to M9, G4, plane, units, diameters, G40, tool length, coordinate system, path mode, distance
-//! modes, retract mode, G28, G30 and G92, motion, stop. Hence F in a line with G20 or G21 is in the units of the line
-//! before.
+//! Within a line the order of words does not matter; they act in LinuxCNC's order: feed mode, F, speed mode, S, T, M6 or
+//! M61, M3 to M5 and M19, M7 to M9, G4, plane, units, diameters, G40, tool length, coordinate system, path mode, distance
+//! modes, retract mode, G10, G28, G30, G52 and G92, G92.1 to G92.3, motion, stop. Hence F in a line with G20 or G21 is in
+//! the units of the line before.
 //!
-//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G7, G8, G20, G21, G28, G30, G33, G33.1, G38.2 to G38.5,
-//! G40 to G42.1, G43, G49, G53 to G59.3, G61, G64, G73, G74, G76, G80 to G89, G90, G91, G90.1, G91.1, G92 to G92.3, G93 to
-//! G99, M0 to M9, M19, M30, M60, M98, M99, F, S, T, D, H, N, A B C for rotary axes (as the extra axes P Q U, in degrees).
+//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G7, G8, G10 (L0, L1, L2, L10, L11, L20), G20, G21, G28,
+//! G28.1, G30, G30.1, G33, G33.1, G38.2 to G38.5, G40 to G42.1, G43 to G43.2, G49, G52 to G59.3, G61, G64, G73, G74, G76,
+//! G80 to G89, G90, G91, G90.1, G91.1, G92 to G92.3, G93 to G99, M0 to M9, M19, M30, M60, M61, M98, M99, F, S, T, D, H, N,
+//! A B C for rotary axes (as the extra axes P Q U, in degrees).
 //! Every other word is an error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
 //! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
 //!
@@ -30,7 +31,7 @@
 //! ([`ElementKind::MFunction`](twin_path::ElementKind::MFunction)), so that a spindle has its speed and coolant flows
 //! before the tool cuts; M3 and M4 carry the speed S as their parameter K, M6 the tool's number, M19 its angle R in
 //! degrees (and its direction P as L). M2 and M30 end the program; spindle and coolant that are on stop there (M5, M9),
-//! the spindle also before M6. S alone, T alone, G61 and G64 change no path; see [`Decoder::spindle_speed`],
+//! the spindle also before M6. S alone, T alone, M61, G61 and G64 change no path; see [`Decoder::spindle_speed`],
 //! [`Decoder::tool`] and [`Decoder::path_mode`].
 //!
 //! Spindle: feeds per revolution (G95, G33, G33.1, G76) become feeds along the path for the speed S, whether or not the
@@ -68,6 +69,11 @@
 //! - G7 and G8 in the block of G76 act as in a block before. LinuxCNC halves or doubles I, J and K once more.
 //! - G33.1 and G76 take no words of rotary axes; LinuxCNC takes those that do not move them.
 //! - M19 without R and P turns the spindle to 0°, as LinuxCNC's documentation has it; its interpreter does nothing.
+//! - The machine stays where it is when G10 rotates the coordinate system while G92 is in force, and when the program
+//!   sets #5210 to #5219. LinuxCNC loses its position there, and the next move goes elsewhere with axes that it does not
+//!   name.
+//! - Arcs in G18 and G19 in a rotated coordinate system (G10 L2 R), and the axes U, V and W, are errors.
+//! - P of G10 and Q of M61 must be whole numbers; LinuxCNC rounds some of them.
 //! - A block with an error changes only the modal state. LinuxCNC stops there; here the rest is read as well, so that
 //!   all errors are found.
 
@@ -89,9 +95,11 @@ mod message;
 mod offsets;
 mod options;
 mod output;
+mod parameter_file;
 mod parameters;
 mod probe;
 mod refeed;
+mod settings;
 mod source;
 mod spindle;
 mod state;
@@ -109,7 +117,9 @@ pub use expression::ExpressionError;
 pub use flow::{FlowError, FlowLimits};
 pub use message::Message;
 pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference};
+pub use parameter_file::{ParameterFile, ParameterFileError};
 pub use parameters::ParameterError;
 pub use probe::{ProbePath, ProbeTarget, Surroundings};
 pub use refeed::refeed;
+pub use settings::OffsetError;
 pub use tool_table::{Tool, ToolTable, ToolTableError};

@@ -1,57 +1,248 @@
-//! Work offsets and tool length offset: the transform between program and machine coordinates.
+//! Work offsets and tool offset: the transform between program and machine coordinates, and their parameters.
 
-use super::options::{LengthUnit, Position, ToolReference};
+use super::options::{DecoderOptions, LengthUnit, Position, ToolReference};
+use super::tool_table::Tool;
+
+/// Numbers of the parameters that are kept here: home positions, G92, coordinate systems, tool in the spindle.
+const FIRST: u16 = 5161;
+const LAST: u16 = 5413;
+/// Parameter of the first value of each group; those of X, Y, Z, A, B, C begin there.
+const G28: u16 = 5161;
+const G30: u16 = 5181;
+const G92_ACTIVE: u16 = 5210;
+const G92: u16 = 5211;
+const SYSTEM: u16 = 5220;
+const TOOL: u16 = 5400;
+
+/// First parameter of coordinate system 0 (G54) to 8 (G59.3). U, V, W and the rotation follow behind C.
+fn system_parameter(system: usize) -> u16 {
+    const FIRST: [u16; 9] = [5221, 5241, 5261, 5281, 5301, 5321, 5341, 5361, 5381];
+    FIRST[system.min(8)]
+}
+
+/// A stored position that G28 and G30 go to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Home {
+    /// G28, set by G28.1.
+    First,
+    /// G30, set by G30.1.
+    Second,
+}
+
+impl Home {
+    fn parameter(self) -> u16 {
+        match self {
+            Self::First => G28,
+            Self::Second => G30,
+        }
+    }
+}
+
+/// New values of some axes: m for X, Y, Z, degrees for A, B, C.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct AxisValues {
+    pub(super) linear: [Option<f64>; 3],
+    pub(super) rotary: [Option<f64>; 3],
+}
+
+impl AxisValues {
+    /// Puts them into `position`.
+    pub(super) fn replace(&self, position: &mut Position) {
+        let linear = position.linear.iter_mut().zip(self.linear);
+        for (slot, value) in linear.chain(position.rotary.iter_mut().zip(self.rotary)) {
+            *slot = value.unwrap_or(*slot);
+        }
+    }
+}
+
+/// Rotation about Z of a coordinate system (G10 L2 R).
+#[derive(Clone, Copy, Debug)]
+struct Rotation {
+    /// Counter-clockwise.
+    degrees: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl Rotation {
+    fn new(degrees: f64) -> Self {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        Self { degrees, sin, cos }
+    }
+
+    fn is_none(self) -> bool {
+        self.degrees == 0.0
+    }
+
+    /// A vector of the coordinate system in the directions of the machine frame.
+    fn apply(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        if self.is_none() {
+            return [x, y, z];
+        }
+        [self.cos * x - self.sin * y, self.sin * x + self.cos * y, z]
+    }
+
+    /// The other way round.
+    fn undo(self, vector: [f64; 3]) -> [f64; 3] {
+        Self { sin: -self.sin, ..self }.apply(vector)
+    }
+}
+
+fn add<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|axis| a[axis] + b[axis])
+}
+
+fn subtract<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|axis| a[axis] - b[axis])
+}
 
 /// Offsets between the program's coordinates and the machine frame.
 ///
 /// ```text
-/// machine = program + G5x + G92 (+ tool length, if the path is that of the controlled point)
+/// machine = Rz(rotation) (program + G92) + G5x (+ tool offset, if the path is that of the controlled point)
 /// ```
+///
+/// A coordinate system is in force as it was when it was selected or set with G10. Parameters that the program sets
+/// act when their system is selected the next time, or with G92.3, G28 and G30, as in LinuxCNC.
 #[derive(Clone, Debug)]
 pub(super) struct Offsets {
-    systems: [Position; 9],
+    /// Parameters from [`FIRST`] on, in the units of the machine and degrees.
+    values: Vec<f64>,
+    /// Units of the machine.
+    units: LengthUnit,
     system: usize,
+    origin: Position,
+    rotation: Rotation,
     g92: Position,
-    /// What G92.3 brings back.
-    kept_g92: Position,
-    tool: [f64; 3],
+    tool: Position,
     reference: ToolReference,
-    /// All of them together.
+    /// All of them together, where nothing is rotated.
     sum: Position,
 }
 
 impl Offsets {
-    pub(super) fn new(systems: &[Position; 9], reference: ToolReference) -> Self {
+    pub(super) fn new(options: &DecoderOptions) -> Self {
         let mut offsets = Self {
-            systems: *systems,
+            values: vec![0.0; usize::from(LAST - FIRST) + 1],
+            units: options.units,
             system: 0,
+            origin: Position::default(),
+            rotation: Rotation::new(0.0),
             g92: Position::default(),
-            kept_g92: Position::default(),
-            tool: [0.0; 3],
-            reference,
+            tool: Position::default(),
+            reference: options.reference,
             sum: Position::default(),
         };
+        offsets.store(G28, &options.g28);
+        offsets.store(G30, &options.g30);
+        for (index, system) in options.work_offsets.iter().enumerate() {
+            offsets.store(system_parameter(index), system);
+        }
+        for (number, value) in options.parameters.iter() {
+            offsets.set_parameter(number, value);
+        }
+        let system = offsets.value(SYSTEM).round();
+        offsets.system = (0..9_u8)
+            .map(usize::from)
+            .find(|index| {
+                let number = u32::try_from(index + 1).map_or(0.0, f64::from);
+                (number - system).abs() < 0.5
+            })
+            .unwrap_or(0);
+        offsets.load_system();
+        if offsets.value(G92_ACTIVE) != 0.0 {
+            offsets.g92 = offsets.stored(G92);
+        }
         offsets.add_up();
         offsets
     }
 
-    /// Program to machine frame, m and degrees.
-    pub(super) fn sum(&self) -> &Position {
-        &self.sum
+    /// Value of a parameter in the units of the machine (lengths) or degrees: #5161 to #5390 and #5400 to #5413.
+    /// `None` for those that are not kept here.
+    pub(super) fn parameter(&self, number: u16) -> Option<f64> {
+        self.values.get(usize::from(number.checked_sub(FIRST)?)).copied()
+    }
+
+    /// Sets a parameter; those of the tool (#5400 to #5413) and others that are not kept here stay as they are.
+    pub(super) fn set_parameter(&mut self, number: u16, value: f64) {
+        if number < TOOL {
+            self.set_value(number, value);
+        }
+    }
+
+    fn set_value(&mut self, number: u16, value: f64) {
+        let index = number.checked_sub(FIRST).map(usize::from);
+        if let Some(slot) = index.and_then(|index| self.values.get_mut(index)) {
+            *slot = value;
+        }
+    }
+
+    fn value(&self, number: u16) -> f64 {
+        self.parameter(number).unwrap_or_default()
+    }
+
+    /// Position in six parameters from `number` on, m and degrees.
+    fn stored(&self, number: u16) -> Position {
+        let value = |index: u16| self.value(number + index);
+        Position {
+            linear: [0, 1, 2].map(|index| self.units.to_metres(value(index))),
+            rotary: [3, 4, 5].map(value),
+        }
+    }
+
+    fn store(&mut self, number: u16, position: &Position) {
+        for (index, length) in (0..).zip(position.linear) {
+            self.set_value(number + index, self.units.convert_metres(length));
+        }
+        for (index, angle) in (3..).zip(position.rotary) {
+            self.set_value(number + index, angle);
+        }
+    }
+
+    /// Sum of the offsets of the rotary axes, degrees.
+    pub(super) fn rotary(&self) -> [f64; 3] {
+        self.sum.rotary
+    }
+
+    /// Rotation of the coordinate system in force about Z, degrees; none if its axes are those of the machine.
+    pub(super) fn rotation(&self) -> Option<f64> {
+        (!self.rotation.is_none()).then_some(self.rotation.degrees)
+    }
+
+    /// A vector of the program in the directions of the machine frame.
+    pub(super) fn turn(&self, vector: [f64; 3]) -> [f64; 3] {
+        self.rotation.apply(vector)
+    }
+
+    /// The point of these coordinates of the program (m) in the machine frame, m.
+    pub(super) fn to_machine(&self, program: [f64; 3]) -> [f64; 3] {
+        if self.rotation.is_none() {
+            return add(program, self.sum.linear);
+        }
+        let turned = self.rotation.apply(add(program, self.g92.linear));
+        add(add(turned, self.origin.linear), self.point_from_tip())
+    }
+
+    /// Coordinates of the program (m) of a point in the machine frame, m.
+    pub(super) fn to_program(&self, machine: [f64; 3]) -> [f64; 3] {
+        if self.rotation.is_none() {
+            return subtract(machine, self.sum.linear);
+        }
+        let from_origin = subtract(subtract(machine, self.point_from_tip()), self.origin.linear);
+        subtract(self.rotation.undo(from_origin), self.g92.linear)
     }
 
     /// Offset that G53, G28 and G30 add to a position of the controlled point, m.
     pub(super) fn machine_frame(&self) -> [f64; 3] {
         match self.reference {
             ToolReference::ControlPoint => [0.0; 3],
-            ToolReference::Tip => self.tool.map(|tool| -tool),
+            ToolReference::Tip => self.tool.linear.map(|tool| -tool),
         }
     }
 
-    /// Selects G54 (0) to G59.3 (8).
-    pub(super) fn select(&mut self, system: u8) {
-        self.system = usize::from(system);
-        self.add_up();
+    /// Offset that G53, G28 and G30 add to the angles of rotary axes, degrees: LinuxCNC leaves the tool's out there.
+    pub(super) fn rotary_frame(&self) -> [f64; 3] {
+        self.angles_from_tip()
     }
 
     /// The word of the system in force, in tenths: 540 for G54 to 593 for G59.3.
@@ -60,84 +251,239 @@ impl Offsets {
         NUMBERS[self.system]
     }
 
-    /// True if the length of a tool is in force.
+    /// True if a tool offset other than zero is in force (G43 to G43.2).
     pub(super) fn has_tool_length(&self) -> bool {
-        self.tool.iter().any(|length| *length != 0.0)
+        self.tool != Position::default()
     }
 
     /// From the tip of the tool to the point whose path it is, m.
     pub(super) fn point_from_tip(&self) -> [f64; 3] {
         match self.reference {
-            ToolReference::ControlPoint => self.tool,
+            ToolReference::ControlPoint => self.tool.linear,
             ToolReference::Tip => [0.0; 3],
         }
     }
 
-    /// Sets the tool's length (G43, G49) and returns by how much it moves the reference point away from where the
-    /// machine holds it, m.
-    pub(super) fn set_tool(&mut self, tool: [f64; 3]) -> [f64; 3] {
-        let before = self.machine_frame();
-        self.tool = tool;
-        self.add_up();
-        let mut moved = self.machine_frame();
-        for (moved, before) in moved.iter_mut().zip(before) {
-            *moved -= before;
+    fn angles_from_tip(&self) -> [f64; 3] {
+        match self.reference {
+            ToolReference::ControlPoint => self.tool.rotary,
+            ToolReference::Tip => [0.0; 3],
         }
-        moved
     }
 
-    /// Makes the origin such that `machine` has the coordinates `linear` (m) and `rotary` (degrees) where they are
-    /// given (G92).
-    pub(super) fn set_g92(
+    /// Tool offset in force, m and degrees.
+    pub(super) fn tool(&self) -> &Position {
+        &self.tool
+    }
+
+    /// Sets the tool offset (G43 to G43.2, G49). The machine stays where it is: a path of the tip jumps, and
+    /// `machine` with it.
+    pub(super) fn set_tool(&mut self, tool: Position, machine: &mut Position) {
+        if self.reference == ToolReference::Tip {
+            machine.linear = add(machine.linear, subtract(self.tool.linear, tool.linear));
+            machine.rotary = add(machine.rotary, subtract(self.tool.rotary, tool.rotary));
+        }
+        self.tool = tool;
+        self.add_up();
+    }
+
+    /// Fills the parameters of the tool in the spindle (#5400 to #5413).
+    pub(super) fn load(&mut self, tool: &Tool) {
+        self.set_value(TOOL, f64::from(tool.number));
+        self.store(TOOL + 1, &Position { linear: tool.offset, rotary: tool.rotary_offset });
+        self.set_value(TOOL + 10, self.units.convert_metres(tool.diameter));
+        self.set_value(TOOL + 11, tool.front_angle);
+        self.set_value(TOOL + 12, tool.back_angle);
+        self.set_value(TOOL + 13, f64::from(tool.orientation));
+    }
+
+    /// The controlled point when the reference point of the path is at `machine`: m and degrees.
+    fn controlled_point(&self, machine: &Position) -> Position {
+        match self.reference {
+            ToolReference::ControlPoint => *machine,
+            ToolReference::Tip => Position {
+                linear: add(machine.linear, self.tool.linear),
+                rotary: add(machine.rotary, self.tool.rotary),
+            },
+        }
+    }
+
+    /// Coordinates (m, degrees) in coordinate system `system`, as it is stored, of `point`, machine frame. G92 is the
+    /// stored one (with `g92`, and if #5210 is not 0), as in LinuxCNC.
+    fn in_system(&self, system: usize, point: &Position, g92: bool) -> Position {
+        let stored = self.stored(system_parameter(system));
+        let mut linear = subtract(point.linear, stored.linear);
+        linear = self.stored_rotation(system).undo(linear);
+        let mut rotary = subtract(point.rotary, stored.rotary);
+        if g92 && self.value(G92_ACTIVE) != 0.0 {
+            let g92 = self.stored(G92);
+            (linear, rotary) = (subtract(linear, g92.linear), subtract(rotary, g92.rotary));
+        }
+        Position { linear, rotary }
+    }
+
+    fn stored_rotation(&self, system: usize) -> Rotation {
+        Rotation::new(self.value(system_parameter(system) + 9))
+    }
+
+    /// Coordinate system of the P word of G10: 1 to 9, or 0 for the one in force.
+    pub(super) fn system_of(&self, p: u32) -> usize {
+        usize::try_from(p).ok().and_then(|p| p.checked_sub(1)).unwrap_or(self.system)
+    }
+
+    /// Sets origin and rotation (degrees) of coordinate system `system` (G10 L2).
+    pub(super) fn set_system(&mut self, system: usize, values: &AxisValues, rotation: Option<f64>) {
+        let number = system_parameter(system);
+        let mut origin = self.stored(number);
+        values.replace(&mut origin);
+        self.store_system(system, &origin);
+        if let Some(degrees) = rotation {
+            self.set_value(number + 9, degrees);
+        }
+        self.refresh(system);
+    }
+
+    /// Makes the origin of coordinate system `system` such that the tool at `machine` has the coordinates `values`
+    /// there (G10 L20).
+    pub(super) fn set_coordinates(
         &mut self,
+        system: usize,
         machine: &Position,
-        linear: [Option<f64>; 3],
-        rotary: [Option<f64>; 3],
+        values: &AxisValues,
     ) {
-        let shift = |g92: &mut [f64; 3], sum: &[f64; 3], machine: &[f64; 3], values: [_; 3]| {
-            for (((g92, sum), machine), value) in g92.iter_mut().zip(sum).zip(machine).zip(values) {
-                if let Some(value) = value {
-                    let others: f64 = sum - *g92;
-                    *g92 = machine - others - value;
-                }
-            }
+        let tip = Position {
+            linear: subtract(machine.linear, self.point_from_tip()),
+            rotary: subtract(machine.rotary, self.angles_from_tip()),
         };
-        shift(&mut self.g92.linear, &self.sum.linear, &machine.linear, linear);
-        shift(&mut self.g92.rotary, &self.sum.rotary, &machine.rotary, rotary);
-        self.kept_g92 = self.g92;
+        let now = self.in_system(system, &tip, true);
+        let mut wanted = now;
+        values.replace(&mut wanted);
+        let mut origin = self.stored(system_parameter(system));
+        let shift = self.stored_rotation(system).apply(subtract(now.linear, wanted.linear));
+        origin.linear = add(origin.linear, shift);
+        origin.rotary = add(origin.rotary, subtract(now.rotary, wanted.rotary));
+        self.store_system(system, &origin);
+        self.refresh(system);
+    }
+
+    /// Offset of a tool (m, degrees) with which the coordinates in the system in force, or in G59.3 without G92
+    /// (`fixture`), become `values`; `before` where they are not given (G10 L10, L11).
+    pub(super) fn touch_off(
+        &self,
+        fixture: bool,
+        machine: &Position,
+        values: &AxisValues,
+        before: &Position,
+    ) -> Position {
+        let system = if fixture { 8 } else { self.system };
+        let now = self.in_system(system, &self.controlled_point(machine), !fixture);
+        let rotation = self.stored_rotation(system);
+        let turned = rotation.undo(before.linear);
+        let difference =
+            |now: f64, value: Option<f64>, before: f64| value.map_or(before, |value| now - value);
+        Position {
+            linear: rotation.apply(std::array::from_fn(|axis| {
+                difference(now.linear[axis], values.linear[axis], turned[axis])
+            })),
+            rotary: std::array::from_fn(|axis| {
+                difference(now.rotary[axis], values.rotary[axis], before.rotary[axis])
+            }),
+        }
+    }
+
+    fn store_system(&mut self, system: usize, origin: &Position) {
+        self.store(system_parameter(system), origin);
+    }
+
+    /// Lets a change of a coordinate system act if it is in force.
+    fn refresh(&mut self, system: usize) {
+        if system == self.system {
+            self.load_system();
+        }
+    }
+
+    /// Selects G54 (0) to G59.3 (8).
+    pub(super) fn select(&mut self, system: u8) {
+        let system = usize::from(system);
+        if system != self.system {
+            self.system = system;
+            self.load_system();
+        }
+    }
+
+    fn load_system(&mut self) {
+        let number = u32::try_from(self.system + 1).map_or(1.0, f64::from);
+        self.set_value(SYSTEM, number);
+        self.origin = self.stored(system_parameter(self.system));
+        self.rotation = self.stored_rotation(self.system);
+        self.add_up();
+    }
+
+    /// Makes the origin such that the point at `machine` has the coordinates `values` (G92).
+    pub(super) fn set_g92(&mut self, machine: &Position, values: &AxisValues) {
+        let program = Position {
+            linear: self.to_program(machine.linear),
+            rotary: subtract(machine.rotary, self.sum.rotary),
+        };
+        let mut wanted = program;
+        values.replace(&mut wanted);
+        self.g92.linear = add(self.g92.linear, subtract(program.linear, wanted.linear));
+        self.g92.rotary = add(self.g92.rotary, subtract(program.rotary, wanted.rotary));
+        self.apply_g92();
+    }
+
+    /// Sets the offset of G92 itself (G52).
+    pub(super) fn set_local(&mut self, values: &AxisValues) {
+        values.replace(&mut self.g92);
+        self.apply_g92();
+    }
+
+    fn apply_g92(&mut self) {
+        let g92 = self.g92;
+        self.store(G92, &g92);
+        self.set_value(G92_ACTIVE, 1.0);
         self.add_up();
     }
 
     /// G92.1.
     pub(super) fn clear_g92(&mut self) {
-        self.kept_g92 = Position::default();
+        for number in G92..G92 + 9 {
+            self.set_value(number, 0.0);
+        }
         self.suspend_g92();
     }
 
     /// G92.2.
     pub(super) fn suspend_g92(&mut self) {
         self.g92 = Position::default();
+        self.set_value(G92_ACTIVE, 0.0);
         self.add_up();
     }
 
     /// G92.3.
     pub(super) fn restore_g92(&mut self) {
-        self.g92 = self.kept_g92;
+        self.g92 = self.stored(G92);
+        self.set_value(G92_ACTIVE, 1.0);
         self.add_up();
     }
 
+    /// Target of G28 or G30: the controlled point, machine frame, m and degrees.
+    pub(super) fn home(&self, home: Home) -> Position {
+        self.stored(home.parameter())
+    }
+
+    /// Makes the point at `machine` the target of G28 or G30 (G28.1, G30.1).
+    pub(super) fn save_home(&mut self, home: Home, machine: &Position) {
+        let point = self.controlled_point(machine);
+        self.store(home.parameter(), &point);
+    }
+
     fn add_up(&mut self) {
-        let system = self.systems[self.system];
-        let tool = self.point_from_tip();
+        let linear = add(self.origin.linear, self.g92.linear);
+        let rotary = add(self.origin.rotary, self.g92.rotary);
         self.sum = Position {
-            linear: std::array::from_fn(|axis| {
-                let part = |values: &[f64; 3]| values[axis];
-                part(&system.linear) + part(&self.g92.linear) + part(&tool)
-            }),
-            rotary: std::array::from_fn(|axis| {
-                let part = |values: &[f64; 3]| values[axis];
-                part(&system.rotary) + part(&self.g92.rotary)
-            }),
+            linear: add(linear, self.point_from_tip()),
+            rotary: add(rotary, self.angles_from_tip()),
         };
     }
 }
@@ -178,16 +524,20 @@ impl Location {
         }
         let between = |from: f64, to: f64| from + (to - from) * part;
         let mut at = *end;
-        let machine = at.machine.linear.iter_mut().zip(self.machine.linear);
-        let sum = offsets.sum();
-        for (((machine, from), program), sum) in machine.zip(&mut at.program).zip(sum.linear) {
+        for (machine, from) in at.machine.linear.iter_mut().zip(self.machine.linear) {
             if *machine != from {
                 *machine = between(from, *machine);
-                *program = units.convert_metres(*machine - sum);
+            }
+        }
+        let program = offsets.to_program(at.machine.linear);
+        for ((slot, from), program) in at.program.iter_mut().zip(self.program).zip(program) {
+            if *slot != from {
+                *slot = units.convert_metres(program);
             }
         }
         let machine = at.machine.rotary.iter_mut().zip(self.machine.rotary);
-        for (((machine, from), program), sum) in machine.zip(&mut at.program_rotary).zip(sum.rotary)
+        for (((machine, from), program), sum) in
+            machine.zip(&mut at.program_rotary).zip(offsets.rotary())
         {
             if *machine != from {
                 *machine = between(from, *machine);
@@ -197,16 +547,32 @@ impl Location {
         at
     }
 
+    /// Changes one coordinate of the program. Coordinates of the machine that stay keep their number, bit for bit.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
+    pub(super) fn set_program(
+        &mut self,
+        axis: usize,
+        value: f64,
+        offsets: &Offsets,
+        units: LengthUnit,
+    ) {
+        let turned = offsets.rotation().is_some() && axis < 2;
+        if turned && self.program[axis] == value {
+            return;
+        }
+        self.program[axis] = value;
+        let machine = offsets.to_machine(self.program.map(|length| units.to_metres(length)));
+        if turned {
+            self.machine.linear[..2].copy_from_slice(&machine[..2]);
+        } else {
+            self.machine.linear[axis] = machine[axis];
+        }
+    }
+
     /// Calculates the program's coordinates anew, after another offset or unit.
     pub(super) fn find_program(&mut self, offsets: &Offsets, units: LengthUnit) {
-        let sum = offsets.sum();
-        let program = self.program.iter_mut().zip(self.machine.linear).zip(sum.linear);
-        for ((program, machine), sum) in program {
-            *program = units.convert_metres(machine - sum);
-        }
-        let program = self.program_rotary.iter_mut().zip(self.machine.rotary).zip(sum.rotary);
-        for ((program, machine), sum) in program {
-            *program = machine - sum;
-        }
+        self.program =
+            offsets.to_program(self.machine.linear).map(|length| units.convert_metres(length));
+        self.program_rotary = subtract(self.machine.rotary, offsets.rotary());
     }
 }

@@ -1,6 +1,6 @@
 //! Decoder options: units, positions, work offsets, tools, path mode.
 
-use super::{FlowLimits, Surroundings, ToolTable};
+use super::{FlowLimits, ParameterFile, Surroundings, ToolTable};
 use std::path::PathBuf;
 
 /// Units of length of a program or a file.
@@ -87,6 +87,10 @@ pub struct DecoderOptions {
     pub g28: Position,
     /// Target of G30, machine frame.
     pub g30: Position,
+    /// Parameters at the beginning, such as those of LinuxCNC's parameter file; they replace `work_offsets`, `g28` and
+    /// `g30` where they are given. The program begins in the coordinate system of #5220, and with the offset of G92 if
+    /// #5210 is not 0. Lengths are in `units`.
+    pub parameters: ParameterFile,
     /// The tools. Without a table every tool has length zero, with a warning at G43.
     pub tools: Option<ToolTable>,
     /// Number of the tool in the spindle at the beginning, 0 = none.
@@ -121,6 +125,7 @@ impl Default for DecoderOptions {
             work_offsets: [Position::default(); 9],
             g28: Position::default(),
             g30: Position::default(),
+            parameters: ParameterFile::default(),
             tools: None,
             tool: 0,
             reference: ToolReference::default(),

@@ -19,7 +19,7 @@ use twin_number::Short;
 pub(super) const WHOLE: f64 = 1e-4;
 
 /// The highest number of a parameter.
-const LAST: u16 = 5602;
+pub(super) const LAST: u16 = 5602;
 
 /// Number of parameters that are local to a subroutine, from 1 on.
 pub(super) const LOCAL: usize = 30;
@@ -175,7 +175,7 @@ impl State {
     /// [`ParameterError::ReadOnly`].
     pub(super) fn check_settable(&self, target: &Target) -> Result<(), ParameterError> {
         let shown = match target {
-            Target::Numbered(number) => matches!(number, 5400..=5409 | 5420..=5428),
+            Target::Numbered(number) => matches!(number, 5400..=5413 | 5420..=5428),
             Target::Named(name) => self.shown(name).is_some(),
         };
         if shown { Err(ParameterError::ReadOnly(target.text())) } else { Ok(()) }
@@ -185,7 +185,10 @@ impl State {
     pub(super) fn set_parameter(&mut self, target: &Target, value: f64) {
         let parameters = &mut self.parameters;
         match target {
-            Target::Numbered(number) => parameters.set(*number, value),
+            Target::Numbered(number) => {
+                parameters.set(*number, value);
+                self.offsets.set_parameter(*number, value);
+            }
             Target::Named(name) => {
                 let names = if name.starts_with(b"_") {
                     Some(&mut parameters.global)
@@ -201,10 +204,9 @@ impl State {
 
     fn numbered(&self, number: u16) -> f64 {
         match number {
-            5400 => f64::from(self.tool),
             5420..=5422 => self.compensated_program()[usize::from(number - 5420)],
             5423..=5425 => self.location.program_rotary[usize::from(number - 5423)],
-            _ => self.parameters.get(number),
+            _ => self.offsets.parameter(number).unwrap_or_else(|| self.parameters.get(number)),
         }
     }
 

@@ -4,14 +4,14 @@ use super::block::{Block, Letter, Letters};
 use super::compensation::Compensation;
 use super::cycle::Series;
 use super::error::{DecodeError, Problem};
-use super::offsets::{Location, Offsets};
+use super::offsets::{Home, Location, Offsets};
 use super::options::{DecoderOptions, LengthUnit, PathMode, Position};
 use super::output::Output;
 use super::parameters::Parameters;
 use super::probe::ProbeTarget;
 use super::spindle::SurfaceSpeed;
 use super::tool_table::ToolTable;
-use super::word::{Compensate, FeedMode, Motion, OneShot};
+use super::word::{Compensate, FeedMode, Motion, OneShot, ToolLength};
 use twin_path::{ElementKind, MParameters, Plane};
 
 /// Limits of numbers, in their own units.
@@ -43,9 +43,9 @@ pub(super) struct State {
     pub(super) acceleration: f64,
     pub(super) deceleration: f64,
     pub(super) keep_empty_moves: bool,
-    g28: Position,
-    g30: Position,
     pub(super) tools: Option<ToolTable>,
+    /// There is no tool table: every tool is there and has length zero unless G10 says otherwise.
+    pub(super) assumes_tools: bool,
     /// Target of the probe, if it is known.
     pub(super) probe_target: Option<Box<dyn ProbeTarget>>,
     pub(super) probe_settle_ns: i64,
@@ -87,15 +87,18 @@ pub(super) struct State {
 
 impl State {
     pub(super) fn new(options: DecoderOptions) -> Self {
-        let offsets = Offsets::new(&options.work_offsets, options.reference);
+        let offsets = Offsets::new(&options);
         let location = Location::new(options.start, &offsets, options.units);
-        Self {
+        let mut parameters = Parameters::new();
+        for (number, value) in options.parameters.iter() {
+            parameters.set(number, value);
+        }
+        let mut state = Self {
             rapid_velocity: options.rapid_velocity,
             acceleration: options.acceleration,
             deceleration: options.deceleration,
             keep_empty_moves: options.keep_empty_moves,
-            g28: options.g28,
-            g30: options.g30,
+            assumes_tools: options.tools.is_none(),
             tools: options.tools,
             probe_target: options.surroundings.map(|surroundings| surroundings.target()),
             probe_settle_ns: options.probe_settle_ns,
@@ -123,8 +126,10 @@ impl State {
             coolant_on: false,
             selected_tool: None,
             tool: options.tool,
-            parameters: Parameters::new(),
-        }
+            parameters,
+        };
+        state.load_tool(options.tool);
+        state
     }
 
     /// Takes over the modes of a block that cannot be executed, so that the blocks after it mean what they are meant
@@ -173,19 +178,12 @@ impl State {
         }
         self.set_path_mode(block);
         match block.g.one_shot {
-            Some(OneShot::Home) => self.go_home(self.g28, block, out)?,
-            Some(OneShot::SecondHome) => self.go_home(self.g30, block, out)?,
-            Some(
-                shot @ (OneShot::SetPosition
-                | OneShot::ClearOffset
-                | OneShot::SuspendOffset
-                | OneShot::RestoreOffset),
-            ) => {
-                if !self.keeps_offsets(shot, out) {
-                    self.set_g92(shot, block);
-                }
-            }
+            Some(OneShot::GoHome(home)) => self.go_home(self.offsets.home(home), block, out)?,
             Some(OneShot::Dwell | OneShot::MachineFrame) | None => {}
+            Some(shot) => self.set_offsets(shot, block, out)?,
+        }
+        if let Some(shot) = block.g.g92_switch.filter(|_| !self.keeps_offsets(out)) {
+            self.switch_g92(shot);
         }
         if let Some(motion) = block.g.motion {
             self.set_motion(motion);
@@ -223,8 +221,10 @@ impl State {
         let axes = block.letters().meets(Letters::AXES);
         let active = block.g.motion.filter(|motion| *motion != Motion::Off);
         let other = match block.g.one_shot {
-            Some(OneShot::Home) => Some((28.0, false)),
-            Some(OneShot::SecondHome) => Some((30.0, false)),
+            Some(OneShot::SetData) => Some((10.0, false)),
+            Some(OneShot::GoHome(Home::First)) => Some((28.0, false)),
+            Some(OneShot::GoHome(Home::Second)) => Some((30.0, false)),
+            Some(OneShot::LocalOffset) => Some((52.0, true)),
             Some(OneShot::SetPosition) => Some((92.0, true)),
             _ => None,
         };
@@ -241,6 +241,7 @@ impl State {
             }
             (Some(Motion::Off), true) => Err(DecodeError::AxesWithoutMotion),
             (Some(motion), _) => Ok(Some(motion)),
+            (None, true) if block.g.tool_length == Some(ToolLength::Direct) => Ok(None),
             (None, true) if self.motion == Motion::Off => Err(DecodeError::AxesWithoutMotion),
             (None, true) => Ok(Some(self.motion)),
             (None, false) if matches!(self.motion, Motion::Arc { .. }) => {
@@ -275,7 +276,7 @@ impl State {
         if block.g.compensation.is_some_and(|word| word != Compensate::Off) {
             used = used.with(Letters::of(&[Letter::D, Letter::L]));
         }
-        if block.g.tool_length == Some(true) {
+        if matches!(block.g.tool_length, Some(ToolLength::Table | ToolLength::Added)) {
             used = used.with(Letters::of(&[Letter::H]));
         }
         if block.g.surface_speed == Some(true) {
@@ -283,6 +284,19 @@ impl State {
         }
         if block.m.spindle == Some(19) {
             used = used.with(Letters::of(&[Letter::P, Letter::Q, Letter::R]));
+        }
+        if block.g.one_shot == Some(OneShot::SetData) {
+            used = used.with(Letters::of(&[
+                Letter::I,
+                Letter::J,
+                Letter::L,
+                Letter::P,
+                Letter::Q,
+                Letter::R,
+            ]));
+        }
+        if block.m.tool_number {
+            used = used.with(Letters::of(&[Letter::Q]));
         }
         if let Some(letter) = block.letters().without(used).first() {
             let error = DecodeError::UnusedWord(letter.as_char());
@@ -343,14 +357,17 @@ impl State {
     fn set_tool_and_speed(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
         self.set_speed(block)?;
         if let Some(tool) = block.whole(Letter::T, 0)? {
-            self.find_tool(tool)?;
+            self.find_tool(tool, Letter::T, block, out)?;
             self.selected_tool = Some(tool);
         }
         if block.m.tool_change {
             // The spindle number replaces it.
             self.stop_spindle(out);
-            self.tool = self.selected_tool.unwrap_or(self.tool);
+            self.load_tool(self.selected_tool.unwrap_or(self.tool));
             self.m_function(6, Some(f64::from(self.tool)), out);
+        }
+        if block.m.tool_number {
+            self.set_tool_number(block, out)?;
         }
         self.turn_spindle(block, out)?;
         if let Some(number) = block.m.coolant {
@@ -366,16 +383,6 @@ impl State {
         self.stop_spindle(out);
         if std::mem::take(&mut self.coolant_on) {
             self.m_function(9, None, out);
-        }
-    }
-
-    /// The offset of a tool, m: zero if there is no tool 0 or no table.
-    fn find_tool(&self, number: u32) -> Result<[f64; 3], DecodeError> {
-        let Some(tools) = &self.tools else { return Ok([0.0; 3]) };
-        match tools.get(number) {
-            Some(tool) => Ok(tool.offset),
-            None if number == 0 => Ok([0.0; 3]),
-            None => Err(DecodeError::UnknownTool(number)),
         }
     }
 
@@ -401,34 +408,6 @@ impl State {
         }
     }
 
-    fn set_tool_length(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        let offset = match block.g.tool_length {
-            None => return Ok(()),
-            Some(false) => [0.0; 3],
-            Some(true) => {
-                // H0 is the tool in the spindle.
-                let tool = block.whole(Letter::H, 0)?.filter(|tool| *tool != 0);
-                let number = tool.unwrap_or(self.tool);
-                if self.tools.is_none() && number != 0 {
-                    out.warning(
-                        block.get(Letter::H).and_then(|_| block.columns(Letter::H)),
-                        DecodeError::NoToolTable(number),
-                    );
-                }
-                self.find_tool(number)?
-            }
-        };
-        let moved = self.offsets.set_tool(offset);
-        let positions = [Some(&mut self.location.machine), self.compensation.tool.as_mut()];
-        for position in positions.into_iter().flatten() {
-            for (machine, moved) in position.linear.iter_mut().zip(moved) {
-                *machine += moved;
-            }
-        }
-        self.location.find_program(&self.offsets, self.units);
-        Ok(())
-    }
-
     fn set_path_mode(&mut self, block: &Block) {
         let metres = |letter| block.get(letter).map(|length| self.units.to_metres(length));
         match block.g.exact_path {
@@ -440,30 +419,6 @@ impl State {
                 }
             }
             None => {}
-        }
-    }
-
-    fn set_g92(&mut self, shot: OneShot, block: &Block) {
-        match shot {
-            OneShot::ClearOffset => self.offsets.clear_g92(),
-            OneShot::SuspendOffset => self.offsets.suspend_g92(),
-            OneShot::RestoreOffset => self.offsets.restore_g92(),
-            _ => {
-                let units = self.units;
-                self.rotary |= block.letters().meets(Letters::ROTARY);
-                self.offsets.set_g92(
-                    &self.location.machine,
-                    Letter::LINEAR.map(|axis| block.get(axis).map(|value| units.to_metres(value))),
-                    Letter::ROTARY.map(|axis| block.get(axis)),
-                );
-            }
-        }
-        self.location.find_program(&self.offsets, self.units);
-        if shot == OneShot::SetPosition {
-            // Not but for the rounding of the offset.
-            for (program, axis) in self.location.program.iter_mut().zip(Letter::LINEAR) {
-                *program = block.get(axis).unwrap_or(*program);
-            }
         }
     }
 

@@ -5,7 +5,7 @@
 //! T1 P1 Z51.125 D6.35 ;quarter inch end mill
 //! ```
 
-use super::LengthUnit;
+use super::{LengthUnit, Position};
 use crate::number;
 use std::io::{self, BufRead, Read};
 
@@ -17,10 +17,23 @@ pub struct Tool {
     /// From the controlled point to the tip, the other way round: what G43 adds to X, Y and Z, m. The length of a
     /// milling tool is Z.
     pub offset: [f64; 3],
+    /// The same for A, B and C, degrees.
+    pub rotary_offset: [f64; 3],
     /// Diameter (D), m. If it is negative, G41 and G42 change sides.
     pub diameter: f64,
-    /// Orientation (Q) of a lathe tool, 1 to 9; 0 of a mill.
+    /// Front angle of a lathe tool (I), degrees.
+    pub front_angle: f64,
+    /// Back angle of a lathe tool (J), degrees.
+    pub back_angle: f64,
+    /// Orientation of a lathe tool (Q), 1 to 9; 0 of a mill.
     pub orientation: u8,
+}
+
+impl Tool {
+    /// Offsets of all axes, m and degrees.
+    pub(super) fn position(&self) -> Position {
+        Position { linear: self.offset, rotary: self.rotary_offset }
+    }
 }
 
 /// Tools by number.
@@ -63,7 +76,7 @@ pub enum ToolTableError {
         /// The tool's number.
         number: u32,
     },
-    /// A number beyond what any machine has.
+    /// A number beyond what any machine has, or an orientation other than 0 to 9.
     #[error("line {line}: {letter}{value} is out of range")]
     OutOfRange {
         /// Line of the file, counted from 1.
@@ -88,28 +101,35 @@ pub enum ToolTableError {
 /// The longest table that is read, bytes: some ten thousand tools.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// The largest offset or diameter, m.
+/// The largest offset or diameter, m, angle, degrees, and orientation.
 const MAX_LENGTH: f64 = 1e3;
+const MAX_ANGLE: f64 = 1e9;
+const MAX_ORIENTATION: f64 = 9.0;
 
 impl ToolTable {
     /// The table of `tools`; of several with the same number the last.
     pub fn new(tools: impl IntoIterator<Item = Tool>) -> Self {
         let mut table = Self::default();
         for tool in tools {
-            match table.tools.binary_search_by_key(&tool.number, |tool| tool.number) {
-                Ok(index) => {
-                    if let Some(slot) = table.tools.get_mut(index) {
-                        *slot = tool;
-                    }
-                }
-                Err(index) => table.tools.insert(index, tool),
-            }
+            table.insert(tool);
         }
         table
     }
 
-    /// Reads LinuxCNC's format with lengths in `unit`, that of the machine. Offsets of rotary and further axes, pocket
-    /// and angles are read but not kept.
+    /// Adds `tool`, or replaces the one with its number.
+    pub fn insert(&mut self, tool: Tool) {
+        match self.tools.binary_search_by_key(&tool.number, |tool| tool.number) {
+            Ok(index) => {
+                if let Some(slot) = self.tools.get_mut(index) {
+                    *slot = tool;
+                }
+            }
+            Err(index) => self.tools.insert(index, tool),
+        }
+    }
+
+    /// Reads LinuxCNC's format with lengths in `unit`, that of the machine. The pocket and the
+    /// offsets of U, V and W are read but not kept.
     ///
     /// # Errors
     /// See [`ToolTableError`].
@@ -168,17 +188,28 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
         }
         let value = number::parse(digits).ok_or(ToolTableError::Number { line, letter })?;
         let length = unit.to_metres(value);
-        if matches!(letter, 'X' | 'Y' | 'Z' | 'D') && (length.is_nan() || length.abs() > MAX_LENGTH)
-        {
+        let limited = match letter {
+            'A' | 'B' | 'C' | 'I' | 'J' => value / MAX_ANGLE,
+            'X' | 'Y' | 'Z' | 'D' => length / MAX_LENGTH,
+            'Q' => value / MAX_ORIENTATION,
+            _ => 0.0,
+        };
+        if limited.is_nan() || limited.abs() > 1.0 {
             return Err(ToolTableError::OutOfRange { line, letter, value });
         }
         let [x, y, z] = &mut tool.offset;
+        let [a, b, c] = &mut tool.rotary_offset;
         match letter {
             'T' => number = whole(value),
             'X' => *x = length,
             'Y' => *y = length,
             'Z' => *z = length,
+            'A' => *a = value,
+            'B' => *b = value,
+            'C' => *c = value,
             'D' => tool.diameter = length,
+            'I' => tool.front_angle = value,
+            'J' => tool.back_angle = value,
             'Q' => {
                 let orientation = whole(value).and_then(|number| u8::try_from(number).ok());
                 let known = orientation.filter(|orientation| *orientation <= 9);

@@ -6,6 +6,7 @@ use super::error::{DecodeError, Problem};
 use super::offsets::Location;
 use super::options::Position;
 use super::output::Output;
+use super::settings::OffsetError;
 use super::state::State;
 use super::word::{FeedMode, Motion, OneShot};
 use nalgebra::Point3;
@@ -22,17 +23,22 @@ impl State {
     pub(super) fn target(&self, block: &Block, relative: bool) -> Result<Location, Problem> {
         let mut to = self.location;
         let letters = block.letters();
-        let offset = self.offsets.sum();
-        let axes = to.program.iter_mut().zip(&mut to.machine.linear);
-        for (((program, machine), offset), axis) in axes.zip(offset.linear).zip(Letter::LINEAR) {
+        for (index, axis) in Letter::LINEAR.into_iter().enumerate() {
             let Some(word) = block.get(axis) else { continue };
-            *program = if relative { *program + word } else { word };
-            *machine = self.units.to_metres(*program) + offset;
-            in_range(block, axis, *machine, MAX_POSITION, " m")?;
+            let program = if relative { to.program[index] + word } else { word };
+            to.set_program(index, program, &self.offsets, self.units);
+            let [x, y, _] = to.machine.linear;
+            let machine = match self.offsets.rotation() {
+                Some(_) if index < 2 && x.abs() > y.abs() => x,
+                Some(_) if index < 2 => y,
+                _ => to.machine.linear[index],
+            };
+            in_range(block, axis, machine, MAX_POSITION, " m")?;
         }
         if letters.meets(Letters::ROTARY) {
             let axes = to.program_rotary.iter_mut().zip(&mut to.machine.rotary);
-            for (((program, machine), offset), axis) in axes.zip(offset.rotary).zip(Letter::ROTARY)
+            for (((program, machine), offset), axis) in
+                axes.zip(self.offsets.rotary()).zip(Letter::ROTARY)
             {
                 let Some(word) = block.get(axis) else { continue };
                 *program = if relative { *program + word } else { word };
@@ -81,9 +87,10 @@ impl State {
             *machine = self.units.to_metres(word) + tool;
             in_range(block, axis, *machine, MAX_POSITION, " m")?;
         }
-        for (machine, axis) in machine.rotary.iter_mut().zip(Letter::ROTARY) {
+        let rotary = machine.rotary.iter_mut().zip(self.offsets.rotary_frame());
+        for ((machine, tool), axis) in rotary.zip(Letter::ROTARY) {
             let Some(word) = block.get(axis) else { continue };
-            *machine = word;
+            *machine = word + tool;
             in_range(block, axis, word, MAX_ANGLE, "°")?;
         }
         Ok(Location::new(machine, &self.offsets, self.units))
@@ -142,6 +149,11 @@ impl State {
     }
 
     fn arc(&self, clockwise: bool, block: &Block, to: &Location) -> Result<Shape, Problem> {
+        if let Some(degrees) = self.offsets.rotation()
+            && self.plane != twin_path::Plane::Xy
+        {
+            return Err(DecodeError::from(OffsetError::RotatedArc(degrees)).into());
+        }
         let turns = block.whole(Letter::P, 1)?.unwrap_or(1);
         let ends = Ends {
             plane: self.plane,
@@ -178,11 +190,8 @@ impl State {
         if !block.letters().meets(Letters::CENTER) {
             return Err(DecodeError::ArcWithoutCenter.into());
         }
-        let offset = self.offsets.sum();
-        let mut center = self.location.machine.linear;
+        let mut center = [0.0; 3];
         for axis in [first, second] {
-            let from = if self.absolute_centers { &offset.linear } else { &center };
-            let from = from[axis.index];
             let word = match block.get(axis.center) {
                 Some(word) => self.units.to_metres(word),
                 None if self.absolute_centers => {
@@ -192,11 +201,15 @@ impl State {
                 None => 0.0,
             };
             in_range(block, axis.center, word, MAX_RADIUS, " m")?;
-            if let Some(slot) = center.get_mut(axis.index) {
-                *slot = from + word;
-            }
+            center[axis.index] = word;
         }
-        Ok(Point3::from(center))
+        let center = Point3::from(center);
+        Ok(if self.absolute_centers {
+            self.offsets.to_machine(center.into()).into()
+        } else {
+            Point3::from(self.location.machine.linear)
+                + Point3::from(self.offsets.turn(center.into())).coords
+        })
     }
 
     /// G28 and G30: to the point of the axis words, if there are any, and from there with the axes named, or all of
@@ -213,23 +226,32 @@ impl State {
         self.rapid(through, out);
         let letters = block.letters();
         let all = !letters.meets(Letters::AXES);
-        let mut machine = self.location.machine;
-        let tool = self.offsets.machine_frame();
-        let linear = machine.linear.iter_mut().zip(home.linear).zip(tool).zip(Letter::LINEAR);
-        for (((machine, home), tool), axis) in linear {
-            if all || letters.contains(axis) {
-                *machine = home + tool;
+        let mut target = home;
+        let linear = target.linear.iter_mut().zip(self.offsets.machine_frame());
+        let rotary = target.rotary.iter_mut().zip(self.offsets.rotary_frame());
+        for (target, tool) in linear.chain(rotary) {
+            *target += tool;
+        }
+        let target = Location::new(target, &self.offsets, self.units);
+        let mut to = if all { target } else { self.location };
+        for (index, axis) in Letter::LINEAR.into_iter().enumerate() {
+            if !all && letters.contains(axis) {
+                // With the axes of the program, which may be rotated.
+                to.set_program(index, target.program[index], &self.offsets, self.units);
+                if self.offsets.rotation().is_none() {
+                    to.machine.linear[index] = target.machine.linear[index];
+                }
             }
         }
-        for ((machine, home), axis) in
-            machine.rotary.iter_mut().zip(home.rotary).zip(Letter::ROTARY)
-        {
+        for (index, axis) in Letter::ROTARY.into_iter().enumerate() {
             if all || letters.contains(axis) {
-                self.rotary |= *machine != home;
-                *machine = home;
+                to.machine.rotary[index] = target.machine.rotary[index];
+                to.program_rotary[index] = target.program_rotary[index];
+                self.rotary |= self.location.machine.rotary[index] != to.machine.rotary[index];
             }
         }
-        self.rapid(Location::new(machine, &self.offsets, self.units), out);
+        check_position(&to)?;
+        self.rapid(to, out);
         Ok(())
     }
 
@@ -431,23 +453,24 @@ impl State {
         program: f64,
     ) -> Result<Location, Problem> {
         let mut to = *at;
-        let offset = self.offsets.sum().linear[axis.index];
-        let slots = (to.program.get_mut(axis.index), to.machine.linear.get_mut(axis.index));
-        if let (Some(slot), Some(machine)) = slots {
-            // What does not change stays, bit for bit.
-            if *slot != program {
-                *slot = program;
-                *machine = self.units.to_metres(program) + offset;
-            }
-            let metres = *machine;
-            if metres.is_nan() || metres.abs() > MAX_POSITION {
-                let (letter, min, max) = (axis.letter.as_char(), -MAX_POSITION, MAX_POSITION);
-                let error = DecodeError::OutOfRange { letter, value: metres, min, max, unit: " m" };
-                return Err(error.into());
-            }
+        // What does not change stays, bit for bit.
+        if to.program[axis.index] != program {
+            to.set_program(axis.index, program, &self.offsets, self.units);
         }
+        check_position(&to)?;
         Ok(to)
     }
+}
+
+/// Checks that the machine can be meant to go there.
+fn check_position(to: &Location) -> Result<(), Problem> {
+    for (value, axis) in to.machine.linear.into_iter().zip(Letter::LINEAR) {
+        if value.is_nan() || value.abs() > MAX_POSITION {
+            let (letter, min, max) = (axis.as_char(), -MAX_POSITION, MAX_POSITION);
+            return Err(DecodeError::OutOfRange { letter, value, min, max, unit: " m" }.into());
+        }
+    }
+    Ok(())
 }
 
 fn in_range(

@@ -1,6 +1,7 @@
 //! Meaning of G and M words, and their modal groups.
 
 use super::LengthUnit;
+use super::offsets::Home;
 use twin_path::{Plane, Probing};
 
 /// Group 1: what the axis words of this line and the following ones do.
@@ -75,10 +76,14 @@ impl Motion {
 pub(super) enum OneShot {
     /// G4.
     Dwell,
-    /// G28.
-    Home,
-    /// G30.
-    SecondHome,
+    /// G10.
+    SetData,
+    /// G28 and G30.
+    GoHome(Home),
+    /// G28.1 and G30.1.
+    SaveHome(Home),
+    /// G52.
+    LocalOffset,
     /// G53.
     MachineFrame,
     /// G92.
@@ -115,6 +120,19 @@ impl Compensate {
     }
 }
 
+/// Group 8: tool offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ToolLength {
+    /// G49.
+    Off,
+    /// G43: that of the tool table.
+    Table,
+    /// G43.1: the axis words.
+    Direct,
+    /// G43.2: that of the tool table, added to the offset in force.
+    Added,
+}
+
 /// Work coordinate systems G54 to G59.3, in tenths.
 const SYSTEMS: [u16; 9] = [540, 550, 560, 570, 580, 590, 591, 592, 593];
 
@@ -123,11 +141,13 @@ const SYSTEMS: [u16; 9] = [540, 550, 560, 570, 580, 590, 591, 592, 593];
 pub(super) struct GWords {
     pub(super) motion: Option<Motion>,
     pub(super) one_shot: Option<OneShot>,
+    /// G92.1, G92.2 or G92.3.
+    pub(super) g92_switch: Option<OneShot>,
     pub(super) plane: Option<Plane>,
     pub(super) units: Option<LengthUnit>,
     pub(super) compensation: Option<Compensate>,
-    /// G43 (true), G49.
-    pub(super) tool_length: Option<bool>,
+    /// G43 to G43.2, G49.
+    pub(super) tool_length: Option<ToolLength>,
     /// G54 to G59.3 as 0 to 8.
     pub(super) system: Option<u8>,
     /// G61 (true), G64.
@@ -185,13 +205,17 @@ impl GWords {
             }
             800 => self.motion(Motion::Off),
             40 => shot(self, OneShot::Dwell),
-            280 => shot(self, OneShot::Home),
-            300 => shot(self, OneShot::SecondHome),
+            100 => shot(self, OneShot::SetData),
+            280 => shot(self, OneShot::GoHome(Home::First)),
+            281 => shot(self, OneShot::SaveHome(Home::First)),
+            300 => shot(self, OneShot::GoHome(Home::Second)),
+            301 => shot(self, OneShot::SaveHome(Home::Second)),
+            520 => shot(self, OneShot::LocalOffset),
             530 => shot(self, OneShot::MachineFrame),
             920 => shot(self, OneShot::SetPosition),
-            921 => shot(self, OneShot::ClearOffset),
-            922 => shot(self, OneShot::SuspendOffset),
-            923 => shot(self, OneShot::RestoreOffset),
+            921 => set(&mut self.g92_switch, OneShot::ClearOffset),
+            922 => set(&mut self.g92_switch, OneShot::SuspendOffset),
+            923 => set(&mut self.g92_switch, OneShot::RestoreOffset),
             170 => set(&mut self.plane, Plane::Xy),
             180 => set(&mut self.plane, Plane::Zx),
             190 => set(&mut self.plane, Plane::Yz),
@@ -202,8 +226,10 @@ impl GWords {
             420 => set(&mut self.compensation, Compensate::Tool { left: false }),
             411 => set(&mut self.compensation, Compensate::Diameter { left: true }),
             421 => set(&mut self.compensation, Compensate::Diameter { left: false }),
-            430 => set(&mut self.tool_length, true),
-            490 => set(&mut self.tool_length, false),
+            430 => set(&mut self.tool_length, ToolLength::Table),
+            431 => set(&mut self.tool_length, ToolLength::Direct),
+            432 => set(&mut self.tool_length, ToolLength::Added),
+            490 => set(&mut self.tool_length, ToolLength::Off),
             610 => set(&mut self.exact_path, true),
             640 => set(&mut self.exact_path, false),
             900 => set(&mut self.relative, false),
@@ -242,6 +268,8 @@ impl GWords {
 pub(super) struct MWords {
     /// M6.
     pub(super) tool_change: bool,
+    /// M61.
+    pub(super) tool_number: bool,
     /// M3, M4, M5 or M19.
     pub(super) spindle: Option<u16>,
     /// M7, M8 or M9.
@@ -256,9 +284,13 @@ impl MWords {
         match number {
             0 | 1 | 2 | 30 | 60 => set(&mut self.stop, number),
             3..=5 | 19 => set(&mut self.spindle, number),
-            6 if self.tool_change => Err(CodeError::Conflict),
+            6 | 61 if self.tool_change || self.tool_number => Err(CodeError::Conflict),
             6 => {
                 self.tool_change = true;
+                Ok(())
+            }
+            61 => {
+                self.tool_number = true;
                 Ok(())
             }
             7..=9 => set(&mut self.coolant, number),

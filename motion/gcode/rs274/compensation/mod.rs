@@ -26,7 +26,7 @@ mod queue;
 
 use super::block::{Block, Letter};
 use super::error::{DecodeError, Problem};
-use super::offsets::Location;
+use super::offsets::{Home, Location};
 use super::options::Position;
 use super::output::Output;
 use super::state::State;
@@ -111,8 +111,11 @@ impl State {
         let Some(cutter) = &self.compensation.cutter else { return Ok(()) };
         let words = &block.g;
         let word = match words.one_shot {
-            Some(OneShot::Home) => Some("G28"),
-            Some(OneShot::SecondHome) => Some("G30"),
+            Some(OneShot::GoHome(Home::First)) => Some("G28"),
+            Some(OneShot::GoHome(Home::Second)) => Some("G30"),
+            Some(OneShot::SaveHome(_)) => Some("G28.1 or G30.1"),
+            Some(OneShot::SetData) => Some("G10"),
+            Some(OneShot::LocalOffset) => Some("G52"),
             Some(OneShot::MachineFrame) if cutter.radius > 0.0 => Some("G53"),
             Some(OneShot::SetPosition) => Some("G92"),
             _ => None,
@@ -132,8 +135,8 @@ impl State {
     }
 
     /// True if G92.1 to G92.3 do nothing because compensation is on.
-    pub(super) fn keeps_offsets(&self, shot: OneShot, out: &mut Output) -> bool {
-        let keeps = self.compensation.cutter.is_some() && shot != OneShot::SetPosition;
+    pub(super) fn keeps_offsets(&self, out: &mut Output) -> bool {
+        let keeps = self.compensation.cutter.is_some();
         if keeps {
             out.warning(None, DecodeError::CompensatedOffset);
         }

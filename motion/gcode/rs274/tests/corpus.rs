@@ -54,6 +54,23 @@ fn linuxcnc(program: &Path) -> (Vec<Move>, Option<String>) {
     let mut moves: Vec<Move> = objects.iter().map(as_linuxcnc_move).collect();
     correct_rotary_feeds(&mut moves);
     correct_threads(&String::from_utf8_lossy(&fs::read(program).unwrap()), &mut moves);
+    if program.ends_with("camotics/botomata_bottom.nc") {
+        // The script has centres without offsets, and G10 of this program sets Y.
+        let text = fs::read_to_string(program).unwrap();
+        let y = |line: &str| -> Option<f64> {
+            line.strip_prefix("G10 L2 P2 ")?.split_once('Y')?.1.split(' ').next()?.parse().ok()
+        };
+        for one in moves.iter_mut().filter(|one| one.points.len() == 5) {
+            let before = text.lines().take(one.line as usize);
+            one.points[4] += before.filter_map(y).last().unwrap();
+        }
+    }
+    if program.ends_with("linuxcnc_debian/puma_cube.ngc") {
+        // It has A without its offset, too: G10 sets it to 180.
+        for one in &mut moves {
+            one.abc[0] += 180.0;
+        }
+    }
     if program.ends_with("linuxcnc_debian/comp311.ngc") {
         // The script that wrote the moves forgot the end of the arc before M6. `rs274 -g` goes on from there: of
         // `g0 x1.4 y2.8`, `g2 x2 y3 i.6 j-.8`, `t4 m6`, `g0 z1` the last is STRAIGHT_TRAVERSE(2, 3, 1).

@@ -15,6 +15,7 @@ mod oracle;
 mod probe;
 mod random;
 mod refeed;
+mod settings;
 mod tools;
 mod unsupported;
 mod words;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::decode::{Rule, TextError};
-use crate::rs274::{Tool, ToolTable};
+use crate::rs274::{Tool, ToolReference, ToolTable};
 use std::f64::consts::TAU;
 use twin_path::{Plane, Shape};
 
@@ -21,11 +21,14 @@ pub(super) struct Move {
 }
 
 /// Decodes a program as LinuxCNC was run: every tool is there, with length zero and a diameter of 6 mm, all
-/// offsets are zero.
+/// offsets are zero. Moves are those of the tool's tip.
 pub(super) fn decode_as_linuxcnc(program: &[u8]) -> Decoded {
     let tools = (0..200).map(|number| Tool { number, diameter: 0.006, ..Tool::default() });
     let tools = Some(ToolTable::new(tools));
-    decode_with(DecoderOptions { tools, ..DecoderOptions::default() }, program)
+    decode_with(
+        DecoderOptions { tools, reference: ToolReference::Tip, ..DecoderOptions::default() },
+        program,
+    )
 }
 
 /// Asserts that the moves before the first error are LinuxCNC's, but for those of the block with the error, of which

@@ -58,7 +58,7 @@ fn options() -> impl Strategy<Value = DecoderOptions> {
                     number,
                     offset: [0.0, 1e-3, 1e-3 * f64::from(number)],
                     diameter: 1e-4 * f64::from(number),
-                    orientation: 0,
+                    ..Tool::default()
                 }))),
                 ..DecoderOptions::default()
             };

@@ -32,7 +32,8 @@ fn file() {
             number: 2,
             offset: [0.001, -0.002, 0.010_5],
             diameter: -0.003,
-            orientation: 1
+            orientation: 1,
+            ..Tool::default()
         })
     );
     assert_eq!(table.get(3), None);
