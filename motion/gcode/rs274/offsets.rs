@@ -141,15 +141,9 @@ impl Offsets {
         for (number, value) in options.parameters.iter() {
             offsets.set_parameter(number, value);
         }
-        let system = offsets.value(SYSTEM).round();
-        offsets.system = (0..9_u8)
-            .map(usize::from)
-            .find(|index| {
-                let number = u32::try_from(index + 1).map_or(0.0, f64::from);
-                (number - system).abs() < 0.5
-            })
-            .unwrap_or(0);
-        offsets.load_system();
+        let number = offsets.value(SYSTEM);
+        let system = (0..9_u8).find(|system| (f64::from(*system) + 1.0 - number).abs() < 0.5);
+        offsets.set_selected(system.unwrap_or(0));
         if offsets.value(G92_ACTIVE) != 0.0 {
             offsets.g92 = offsets.stored(G92);
         }
@@ -240,11 +234,6 @@ impl Offsets {
         }
     }
 
-    /// Offset that G53, G28 and G30 add to the angles of rotary axes, degrees: LinuxCNC leaves the tool's out there.
-    pub(super) fn rotary_frame(&self) -> [f64; 3] {
-        self.angles_from_tip()
-    }
-
     /// The word of the system in force, in tenths: 540 for G54 to 593 for G59.3.
     pub(super) fn system_number(&self) -> f64 {
         const NUMBERS: [f64; 9] = [540.0, 550.0, 560.0, 570.0, 580.0, 590.0, 591.0, 592.0, 593.0];
@@ -264,7 +253,8 @@ impl Offsets {
         }
     }
 
-    fn angles_from_tip(&self) -> [f64; 3] {
+    /// The same for the rotary axes, degrees. G53, G28 and G30 add it, as they leave the tool out in LinuxCNC.
+    pub(super) fn angles_from_tip(&self) -> [f64; 3] {
         match self.reference {
             ToolReference::ControlPoint => self.tool.rotary,
             ToolReference::Tip => [0.0; 3],
@@ -336,7 +326,7 @@ impl Offsets {
         let number = system_parameter(system);
         let mut origin = self.stored(number);
         values.replace(&mut origin);
-        self.store_system(system, &origin);
+        self.store(system_parameter(system), &origin);
         if let Some(degrees) = rotation {
             self.set_value(number + 9, degrees);
         }
@@ -362,7 +352,7 @@ impl Offsets {
         let shift = self.stored_rotation(system).apply(subtract(now.linear, wanted.linear));
         origin.linear = add(origin.linear, shift);
         origin.rotary = add(origin.rotary, subtract(now.rotary, wanted.rotary));
-        self.store_system(system, &origin);
+        self.store(system_parameter(system), &origin);
         self.refresh(system);
     }
 
@@ -391,10 +381,6 @@ impl Offsets {
         }
     }
 
-    fn store_system(&mut self, system: usize, origin: &Position) {
-        self.store(system_parameter(system), origin);
-    }
-
     /// Lets a change of a coordinate system act if it is in force.
     fn refresh(&mut self, system: usize) {
         if system == self.system {
@@ -404,16 +390,18 @@ impl Offsets {
 
     /// Selects G54 (0) to G59.3 (8).
     pub(super) fn select(&mut self, system: u8) {
-        let system = usize::from(system);
-        if system != self.system {
-            self.system = system;
-            self.load_system();
+        if usize::from(system) != self.system {
+            self.set_selected(system);
         }
     }
 
+    fn set_selected(&mut self, system: u8) {
+        self.system = usize::from(system);
+        self.set_value(SYSTEM, f64::from(system) + 1.0);
+        self.load_system();
+    }
+
     fn load_system(&mut self) {
-        let number = u32::try_from(self.system + 1).map_or(1.0, f64::from);
-        self.set_value(SYSTEM, number);
         self.origin = self.stored(system_parameter(self.system));
         self.rotation = self.stored_rotation(self.system);
         self.add_up();

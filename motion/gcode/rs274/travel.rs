@@ -87,7 +87,7 @@ impl State {
             *machine = self.units.to_metres(word) + tool;
             in_range(block, axis, *machine, MAX_POSITION, " m")?;
         }
-        let rotary = machine.rotary.iter_mut().zip(self.offsets.rotary_frame());
+        let rotary = machine.rotary.iter_mut().zip(self.offsets.angles_from_tip());
         for ((machine, tool), axis) in rotary.zip(Letter::ROTARY) {
             let Some(word) = block.get(axis) else { continue };
             *machine = word + tool;
@@ -228,7 +228,7 @@ impl State {
         let all = !letters.meets(Letters::AXES);
         let mut target = home;
         let linear = target.linear.iter_mut().zip(self.offsets.machine_frame());
-        let rotary = target.rotary.iter_mut().zip(self.offsets.rotary_frame());
+        let rotary = target.rotary.iter_mut().zip(self.offsets.angles_from_tip());
         for (target, tool) in linear.chain(rotary) {
             *target += tool;
         }
