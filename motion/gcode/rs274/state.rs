@@ -295,7 +295,7 @@ impl State {
                 Letter::R,
             ]));
         }
-        if block.m.tool_number {
+        if block.m.tool_change == Some(61) {
             used = used.with(Letters::of(&[Letter::Q]));
         }
         if let Some(letter) = block.letters().without(used).first() {
@@ -360,13 +360,13 @@ impl State {
             self.find_tool(tool, Letter::T, block, out)?;
             self.selected_tool = Some(tool);
         }
-        if block.m.tool_change {
+        if block.m.tool_change == Some(6) {
             // The spindle number replaces it.
             self.stop_spindle(out);
             self.load_tool(self.selected_tool.unwrap_or(self.tool));
             self.m_function(6, Some(f64::from(self.tool)), out);
         }
-        if block.m.tool_number {
+        if block.m.tool_change == Some(61) {
             self.set_tool_number(block, out)?;
         }
         self.turn_spindle(block, out)?;

@@ -133,12 +133,32 @@ pub(super) enum ToolLength {
     Added,
 }
 
-/// Work coordinate systems G54 to G59.3, in tenths.
-const SYSTEMS: [u16; 9] = [540, 550, 560, 570, 580, 590, 591, 592, 593];
+/// Modal groups of G words, with LinuxCNC's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Group {
+    NonModal = 0,
+    Motion = 1,
+    Plane = 2,
+    Distance = 3,
+    Centers = 4,
+    FeedMode = 5,
+    Units = 6,
+    Compensation = 7,
+    ToolLength = 8,
+    ReturnLevel = 10,
+    System = 12,
+    PathControl = 13,
+    SpindleMode = 14,
+    Diameter = 15,
+    /// G92.1 to G92.3: next to other words without a group.
+    G92 = 16,
+}
 
 /// G words of a line but for their columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct GWords {
+    /// Groups that are taken, a bit each.
+    groups: u32,
     pub(super) motion: Option<Motion>,
     pub(super) one_shot: Option<OneShot>,
     /// G92.1, G92.2 or G92.3.
@@ -166,6 +186,127 @@ pub(super) struct GWords {
     pub(super) initial_level: Option<bool>,
 }
 
+/// Number of a G word in tenths, its group, and its meaning.
+type GWord = (u16, Group, fn(&mut GWords));
+
+/// The G words, in the order of their numbers.
+#[rustfmt::skip]
+const G_WORDS: [GWord; 73] = [
+    (  0, Group::Motion,       |g| g.motion = Some(Motion::Rapid)),
+    ( 10, Group::Motion,       |g| g.motion = Some(Motion::Line)),
+    ( 20, Group::Motion,       |g| g.motion = Some(Motion::Arc { clockwise: true })),
+    ( 30, Group::Motion,       |g| g.motion = Some(Motion::Arc { clockwise: false })),
+    ( 40, Group::NonModal,     |g| g.one_shot = Some(OneShot::Dwell)),
+    ( 70, Group::Diameter,     |g| g.diameters = Some(true)),
+    ( 80, Group::Diameter,     |g| g.diameters = Some(false)),
+    (100, Group::NonModal,     |g| g.one_shot = Some(OneShot::SetData)),
+    (170, Group::Plane,        |g| g.plane = Some(Plane::Xy)),
+    (180, Group::Plane,        |g| g.plane = Some(Plane::Zx)),
+    (190, Group::Plane,        |g| g.plane = Some(Plane::Yz)),
+    (200, Group::Units,        |g| g.units = Some(LengthUnit::Inch)),
+    (210, Group::Units,        |g| g.units = Some(LengthUnit::Millimetre)),
+    (280, Group::NonModal,     |g| g.one_shot = Some(OneShot::GoHome(Home::First))),
+    (281, Group::NonModal,     |g| g.one_shot = Some(OneShot::SaveHome(Home::First))),
+    (300, Group::NonModal,     |g| g.one_shot = Some(OneShot::GoHome(Home::Second))),
+    (301, Group::NonModal,     |g| g.one_shot = Some(OneShot::SaveHome(Home::Second))),
+    (330, Group::Motion,       |g| g.motion = Some(Motion::Thread(Thread::Straight))),
+    (331, Group::Motion,       |g| g.motion = Some(Motion::Thread(Thread::RigidTap))),
+    (382, Group::Motion,       |g| g.motion = Some(Motion::Probe(Probing::TOUCH))),
+    (383, Group::Motion,       |g| g.motion = Some(Motion::Probe(Probing::TRY_TOUCH))),
+    (384, Group::Motion,       |g| g.motion = Some(Motion::Probe(Probing::RELEASE))),
+    (385, Group::Motion,       |g| g.motion = Some(Motion::Probe(Probing::TRY_RELEASE))),
+    (400, Group::Compensation, |g| g.compensation = Some(Compensate::Off)),
+    (410, Group::Compensation, |g| g.compensation = Some(Compensate::Tool { left: true })),
+    (411, Group::Compensation, |g| g.compensation = Some(Compensate::Diameter { left: true })),
+    (420, Group::Compensation, |g| g.compensation = Some(Compensate::Tool { left: false })),
+    (421, Group::Compensation, |g| g.compensation = Some(Compensate::Diameter { left: false })),
+    (430, Group::ToolLength,   |g| g.tool_length = Some(ToolLength::Table)),
+    (431, Group::ToolLength,   |g| g.tool_length = Some(ToolLength::Direct)),
+    (432, Group::ToolLength,   |g| g.tool_length = Some(ToolLength::Added)),
+    (490, Group::ToolLength,   |g| g.tool_length = Some(ToolLength::Off)),
+    (520, Group::NonModal,     |g| g.one_shot = Some(OneShot::LocalOffset)),
+    (530, Group::NonModal,     |g| g.one_shot = Some(OneShot::MachineFrame)),
+    (540, Group::System,       |g| g.system = Some(0)),
+    (550, Group::System,       |g| g.system = Some(1)),
+    (560, Group::System,       |g| g.system = Some(2)),
+    (570, Group::System,       |g| g.system = Some(3)),
+    (580, Group::System,       |g| g.system = Some(4)),
+    (590, Group::System,       |g| g.system = Some(5)),
+    (591, Group::System,       |g| g.system = Some(6)),
+    (592, Group::System,       |g| g.system = Some(7)),
+    (593, Group::System,       |g| g.system = Some(8)),
+    (610, Group::PathControl,  |g| g.exact_path = Some(true)),
+    (640, Group::PathControl,  |g| g.exact_path = Some(false)),
+    (730, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(73)))),
+    (740, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(74)))),
+    (760, Group::Motion,       |g| g.motion = Some(Motion::Thread(Thread::Cycle))),
+    (800, Group::Motion,       |g| g.motion = Some(Motion::Off)),
+    (810, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(81)))),
+    (820, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(82)))),
+    (830, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(83)))),
+    (840, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(84)))),
+    (850, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(85)))),
+    (860, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(86)))),
+    (870, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(87)))),
+    (880, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(88)))),
+    (890, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(89)))),
+    (900, Group::Distance,     |g| g.relative = Some(false)),
+    (901, Group::Centers,      |g| g.absolute_centers = Some(true)),
+    (910, Group::Distance,     |g| g.relative = Some(true)),
+    (911, Group::Centers,      |g| g.absolute_centers = Some(false)),
+    (920, Group::NonModal,     |g| g.one_shot = Some(OneShot::SetPosition)),
+    (921, Group::G92,          |g| g.g92_switch = Some(OneShot::ClearOffset)),
+    (922, Group::G92,          |g| g.g92_switch = Some(OneShot::SuspendOffset)),
+    (923, Group::G92,          |g| g.g92_switch = Some(OneShot::RestoreOffset)),
+    (930, Group::FeedMode,     |g| g.feed_mode = Some(FeedMode::InverseTime)),
+    (940, Group::FeedMode,     |g| g.feed_mode = Some(FeedMode::PerMinute)),
+    (950, Group::FeedMode,     |g| g.feed_mode = Some(FeedMode::PerRevolution)),
+    (960, Group::SpindleMode,  |g| g.surface_speed = Some(true)),
+    (970, Group::SpindleMode,  |g| g.surface_speed = Some(false)),
+    (980, Group::ReturnLevel,  |g| g.initial_level = Some(true)),
+    (990, Group::ReturnLevel,  |g| g.initial_level = Some(false)),
+];
+
+/// Modal groups of M words, with LinuxCNC's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum MGroup {
+    Stop = 4,
+    ToolChange = 6,
+    Spindle = 7,
+    Coolant = 8,
+}
+
+/// M words of a line, by their numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct MWords {
+    /// Groups that are taken, a bit each.
+    groups: u32,
+    /// M6 or M61.
+    pub(super) tool_change: Option<u16>,
+    /// M3, M4, M5 or M19.
+    pub(super) spindle: Option<u16>,
+    /// M7, M8 or M9.
+    pub(super) coolant: Option<u16>,
+    /// M0, M1, M2, M30 or M60.
+    pub(super) stop: Option<u16>,
+}
+
+/// First and last number of M words, their group, and where a block keeps the number.
+type MWord = (u16, u16, MGroup, fn(&mut MWords) -> &mut Option<u16>);
+
+/// The M words, in the order of their numbers. M98 and M99 are those of `flow.rs`.
+#[rustfmt::skip]
+const M_WORDS: [MWord; 8] = [
+    ( 0,  2, MGroup::Stop,       |m| &mut m.stop),
+    ( 3,  5, MGroup::Spindle,    |m| &mut m.spindle),
+    ( 6,  6, MGroup::ToolChange, |m| &mut m.tool_change),
+    ( 7,  9, MGroup::Coolant,    |m| &mut m.coolant),
+    (19, 19, MGroup::Spindle,    |m| &mut m.spindle),
+    (30, 30, MGroup::Stop,       |m| &mut m.stop),
+    (60, 60, MGroup::Stop,       |m| &mut m.stop),
+    (61, 61, MGroup::ToolChange, |m| &mut m.tool_change),
+];
+
 /// Error of a G or M word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CodeError {
@@ -175,126 +316,47 @@ pub(super) enum CodeError {
     Conflict,
 }
 
-/// Puts `value` into `slot`.
-fn set<T>(slot: &mut Option<T>, value: T) -> Result<(), CodeError> {
-    if slot.is_some() {
-        return Err(CodeError::Conflict);
-    }
-    *slot = Some(value);
-    Ok(())
+/// Takes the group with `number`.
+///
+/// # Errors
+/// [`CodeError::Conflict`] if it is taken.
+fn take(groups: &mut u32, number: u32) -> Result<(), CodeError> {
+    let before = *groups;
+    *groups |= 1 << number;
+    if *groups == before { Err(CodeError::Conflict) } else { Ok(()) }
 }
 
 impl GWords {
     /// Adds the G word whose number is `tenths` / 10.
     pub(super) fn add(&mut self, tenths: u16) -> Result<(), CodeError> {
-        let shot = |words: &mut Self, shot| set(&mut words.one_shot, shot);
-        match tenths {
-            0 => self.motion(Motion::Rapid),
-            10 => self.motion(Motion::Line),
-            20 => self.motion(Motion::Arc { clockwise: true }),
-            30 => self.motion(Motion::Arc { clockwise: false }),
-            382 => self.motion(Motion::Probe(Probing::TOUCH)),
-            383 => self.motion(Motion::Probe(Probing::TRY_TOUCH)),
-            384 => self.motion(Motion::Probe(Probing::RELEASE)),
-            385 => self.motion(Motion::Probe(Probing::TRY_RELEASE)),
-            330 => self.motion(Motion::Thread(Thread::Straight)),
-            331 => self.motion(Motion::Thread(Thread::RigidTap)),
-            760 => self.motion(Motion::Thread(Thread::Cycle)),
-            730 | 740 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 => {
-                self.motion(Motion::Cycle(Cycle(tenths / 10)))
+        let index = G_WORDS.binary_search_by_key(&tenths, |(number, ..)| *number);
+        let (_, group, mean) =
+            index.ok().and_then(|index| G_WORDS.get(index)).ok_or(CodeError::Unsupported)?;
+        let before = self.motion;
+        let taken = take(&mut self.groups, *group as u32);
+        mean(self);
+        if taken.is_err() && *group == Group::Motion {
+            // G80 may be next to another motion, which then holds, and to another G80.
+            match (before, self.motion) {
+                (Some(Motion::Off), _) => return Ok(()),
+                (_, Some(Motion::Off)) => {
+                    self.motion = before;
+                    return Ok(());
+                }
+                _ => {}
             }
-            800 => self.motion(Motion::Off),
-            40 => shot(self, OneShot::Dwell),
-            100 => shot(self, OneShot::SetData),
-            280 => shot(self, OneShot::GoHome(Home::First)),
-            281 => shot(self, OneShot::SaveHome(Home::First)),
-            300 => shot(self, OneShot::GoHome(Home::Second)),
-            301 => shot(self, OneShot::SaveHome(Home::Second)),
-            520 => shot(self, OneShot::LocalOffset),
-            530 => shot(self, OneShot::MachineFrame),
-            920 => shot(self, OneShot::SetPosition),
-            921 => set(&mut self.g92_switch, OneShot::ClearOffset),
-            922 => set(&mut self.g92_switch, OneShot::SuspendOffset),
-            923 => set(&mut self.g92_switch, OneShot::RestoreOffset),
-            170 => set(&mut self.plane, Plane::Xy),
-            180 => set(&mut self.plane, Plane::Zx),
-            190 => set(&mut self.plane, Plane::Yz),
-            200 => set(&mut self.units, LengthUnit::Inch),
-            210 => set(&mut self.units, LengthUnit::Millimetre),
-            400 => set(&mut self.compensation, Compensate::Off),
-            410 => set(&mut self.compensation, Compensate::Tool { left: true }),
-            420 => set(&mut self.compensation, Compensate::Tool { left: false }),
-            411 => set(&mut self.compensation, Compensate::Diameter { left: true }),
-            421 => set(&mut self.compensation, Compensate::Diameter { left: false }),
-            430 => set(&mut self.tool_length, ToolLength::Table),
-            431 => set(&mut self.tool_length, ToolLength::Direct),
-            432 => set(&mut self.tool_length, ToolLength::Added),
-            490 => set(&mut self.tool_length, ToolLength::Off),
-            610 => set(&mut self.exact_path, true),
-            640 => set(&mut self.exact_path, false),
-            900 => set(&mut self.relative, false),
-            910 => set(&mut self.relative, true),
-            901 => set(&mut self.absolute_centers, true),
-            911 => set(&mut self.absolute_centers, false),
-            930 => set(&mut self.feed_mode, FeedMode::InverseTime),
-            940 => set(&mut self.feed_mode, FeedMode::PerMinute),
-            950 => set(&mut self.feed_mode, FeedMode::PerRevolution),
-            960 => set(&mut self.surface_speed, true),
-            970 => set(&mut self.surface_speed, false),
-            70 => set(&mut self.diameters, true),
-            80 => set(&mut self.diameters, false),
-            980 => set(&mut self.initial_level, true),
-            990 => set(&mut self.initial_level, false),
-            _ => match (0..).zip(SYSTEMS).find(|(_, code)| *code == tenths) {
-                Some((system, _)) => set(&mut self.system, system),
-                None => Err(CodeError::Unsupported),
-            },
         }
+        taken
     }
-
-    /// G80 may be in one block with any other motion, which then holds, and with another G80.
-    fn motion(&mut self, motion: Motion) -> Result<(), CodeError> {
-        match (self.motion, motion) {
-            (Some(Motion::Off), _) => self.motion = Some(motion),
-            (Some(_), Motion::Off) => {}
-            _ => return set(&mut self.motion, motion),
-        }
-        Ok(())
-    }
-}
-
-/// M words of a line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct MWords {
-    /// M6.
-    pub(super) tool_change: bool,
-    /// M61.
-    pub(super) tool_number: bool,
-    /// M3, M4, M5 or M19.
-    pub(super) spindle: Option<u16>,
-    /// M7, M8 or M9.
-    pub(super) coolant: Option<u16>,
-    /// M0, M1, M2, M30 or M60.
-    pub(super) stop: Option<u16>,
 }
 
 impl MWords {
     /// Adds M`number`.
     pub(super) fn add(&mut self, number: u16) -> Result<(), CodeError> {
-        match number {
-            0 | 1 | 2 | 30 | 60 => set(&mut self.stop, number),
-            3..=5 | 19 => set(&mut self.spindle, number),
-            6 | 61 if self.tool_change || self.tool_number => Err(CodeError::Conflict),
-            6 => {
-                self.tool_change = true;
-                Ok(())
-            }
-            61 => {
-                self.tool_number = true;
-                Ok(())
-            }
-            7..=9 => set(&mut self.coolant, number),
-            _ => Err(CodeError::Unsupported),
-        }
+        let row = M_WORDS.iter().find(|(first, last, ..)| (*first..=*last).contains(&number));
+        let (.., group, slot) = row.ok_or(CodeError::Unsupported)?;
+        take(&mut self.groups, *group as u32)?;
+        *slot(self) = Some(number);
+        Ok(())
     }
 }

@@ -97,7 +97,7 @@ impl State {
         let refused = |word| Err(DecodeError::Compensated(word).into());
         match block.g.plane {
             Some(plane) if plane != self.plane => refused("another plane (G17 to G19)"),
-            _ if block.m.tool_change => refused("M6"),
+            _ if block.m.tool_change == Some(6) => refused("M6"),
             _ => Ok(()),
         }
     }
