@@ -273,6 +273,10 @@ impl State {
         if block.g.exact_path == Some(false) {
             used = used.with(Letters::of(&[Letter::P, Letter::Q]));
         }
+        if matches!(block.g.compensation, Some(Compensate::Diameter { .. })) {
+            // LinuxCNC passes over it.
+            used = used.with(Letters::of(&[Letter::R]));
+        }
         if block.g.compensation.is_some_and(|word| word != Compensate::Off) {
             used = used.with(Letters::of(&[Letter::D, Letter::L]));
         }

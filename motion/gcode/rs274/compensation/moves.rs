@@ -169,7 +169,7 @@ impl State {
         length: f64,
         out: &mut Output,
     ) -> Result<(), DecodeError> {
-        if length > cutter.radius {
+        if length > cutter.radius + SAME_POINT {
             return Ok(());
         }
         self.interrupt_compensation(out);
@@ -216,7 +216,7 @@ impl State {
         radius: f64,
         out: &mut Output,
     ) -> Result<(), DecodeError> {
-        if arc.turns > 0.0 && radius <= cutter.radius {
+        if arc.turns > 0.0 && radius <= cutter.radius + SAME_POINT {
             return Err(self.too_tight(cutter, radius, out));
         }
         Ok(())
@@ -242,9 +242,9 @@ impl State {
         }
         let (before, along) = (right((center - line.start).normalize()), way.normalize());
         let aside = left(along) * cutter.radius;
-        let last = self.compensation.queue.front().map(|(_, last)| *last);
-        let last_arc = last.and_then(|last| last.circle());
-        let around = last_arc.is_some_and(|arc| arc.side < 0.0);
+        let last_arc = self.compensation.queue.front().and_then(|(_, last)| last.circle());
+        let waits = self.compensation.queue.len() > 0;
+        let around = waits && last_arc.is_some_and(|arc| arc.side < 0.0);
         let corner = Corner::between(before, along, around);
         let result = match corner {
             Corner::Inner(turn) => {
@@ -292,8 +292,8 @@ impl State {
             Corner::Inner(_) => {
                 let circle =
                     Circle { center: arc.center, radius: radius - side * cutter.radius, side };
-                let last = self.compensation.queue.front().map(|(_, last)| *last);
-                let meeting = match last.and_then(|last| last.circle()) {
+                let last = self.compensation.queue.front().and_then(|(_, last)| last.circle());
+                let meeting = match last {
                     Some(last) => arc_to_arc(last, circle),
                     None => line_to_arc(before, tangent, circle, cutter.radius),
                 };
@@ -335,7 +335,6 @@ impl State {
             return self.end_waiting_at(meeting, out);
         }
         let front = self.compensation.queue.front();
-        // Behind M0 nothing waits, and the corner is not cut off.
         front.map_or(Ok(()), |(other, _)| {
             let radius_mm = cutter.radius * 1e3;
             Err(DecodeError::CompensationGouge { other, radius_mm }.into())

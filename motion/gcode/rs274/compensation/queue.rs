@@ -7,11 +7,14 @@ use crate::rs274::options::Position;
 use crate::rs274::output::Output;
 use crate::rs274::state::State;
 use nalgebra::{Point3, Vector2, Vector3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use twin_path::{Arc, ElementKind, MParameters, Place, Shape};
 
-/// Arcs that turn by less than this, rad, are full turns if that is what they were.
+/// Arcs that turn by less than this, rad, between ends that are as near as [`SAME_POINT`] are full turns.
 const SAME_ANGLE: f64 = 1e-6;
+
+/// See [`SAME_ANGLE`], m.
+const SAME_POINT: f64 = 1e-6;
 
 /// Curve of a move in the plane. Points are in the frame.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +61,8 @@ pub(super) struct Queue {
     shift: [f64; 3],
     /// Where the first of them begins, in the frame; none if that is not known or does not matter.
     pub(super) start: Option<Vector2<f64>>,
+    /// The first of them, or of those before if none waits.
+    last: Option<(Place, Move)>,
     items: Vec<(Place, Item)>,
 }
 
@@ -70,15 +75,16 @@ impl Queue {
         self.items.len()
     }
 
-    /// The move that the next corner cuts off, and its block.
-    pub(super) fn front(&self) -> Option<(Place, &Move)> {
-        self.items.iter().find_map(|(place, item)| match item {
-            Item::Move(first) => Some((*place, first)),
-            Item::Wait(..) => None,
-        })
+    /// The move that the next corner cuts off, and its block. Behind M0 it is the one that has ended there, by which
+    /// LinuxCNC checks the corner, though it cannot cut it off any more.
+    pub(super) fn front(&self) -> Option<(Place, Move)> {
+        self.last
     }
 
     pub(super) fn push(&mut self, place: Place, next: Move) {
+        if self.items.is_empty() {
+            self.last = Some((place, next));
+        }
         self.items.push((place, Item::Move(next)));
     }
 
@@ -191,15 +197,14 @@ impl Move {
     /// The move from `start`, m.
     fn shape(&self, start: Point3<f64>, frame: Frame, shift: Vector3<f64>) -> Shape {
         let end = frame.point(self.end, self.height) + shift;
-        let Curve::Arc { center, turns, programmed } = self.curve else {
+        let Curve::Arc { center, turns, .. } = self.curve else {
             return Shape::Line { start, end };
         };
         let (from, _) = frame.flat((start - shift).into());
         let mut angle = sweep(from, center, turns, self.end);
-        // Rounding must not turn a full circle into none.
+        // Rounding must not turn a full circle into none; one point is a full circle, whatever was programmed.
         let rest = angle.abs() - (turns.abs() - 1.0) * TAU;
-        let whole = programmed.is_some_and(|angle| angle.abs() - (turns.abs() - 1.0) * TAU > PI);
-        if rest < SAME_ANGLE && whole {
+        if rest < SAME_ANGLE && (self.end - from).norm() <= SAME_POINT {
             angle += turns.signum() * TAU;
         }
         let center = frame.point(center, self.height) + shift;
