@@ -184,6 +184,11 @@ impl Block {
             && self.message.is_none()
     }
 
+    /// True if its only word, but for N, is an M word.
+    pub(super) fn is_single_m(&self) -> bool {
+        self.m_count == 1 && self.g == GWords::default() && self.present == Letters::default()
+    }
+
     /// Its words with a number of their own.
     pub(super) fn letters(&self) -> Letters {
         self.present
@@ -376,6 +381,14 @@ impl Block {
             reason = "checked above"
         )]
         Ok(Some(rounded as u32))
+    }
+
+    /// The same, with the word at which the error is.
+    ///
+    /// # Errors
+    /// Those of [`Self::whole`].
+    pub(super) fn whole_at(&self, letter: Letter, min: u32) -> Result<Option<u32>, Problem> {
+        self.whole(letter, min).map_err(|error| Problem { columns: self.columns(letter), error })
     }
 }
 

@@ -297,6 +297,13 @@ impl<R: BufRead> Decoder<R> {
         }
     }
 
+    /// Restores what M73 has saved in the subroutine that ends.
+    fn restore_modes(&mut self) {
+        if let Err(Problem { columns, error }) = self.state.return_modes(&mut self.out) {
+            self.out.error(columns, error);
+        }
+    }
+
     /// Lets parameters and files follow the flow of control.
     fn apply(&mut self, effect: Effect) {
         match effect {
@@ -316,10 +323,12 @@ impl<R: BufRead> Decoder<R> {
                 }
             }
             Effect::Again => {
+                self.restore_modes();
                 self.state.parameters.leave(None);
                 self.state.parameters.enter(None);
             }
             Effect::Leave { saved, value } => {
+                self.restore_modes();
                 self.state.parameters.leave(saved);
                 self.state.parameters.returned = value;
             }

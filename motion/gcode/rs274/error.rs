@@ -132,6 +132,34 @@ pub enum DecodeError {
     /// G4 without P.
     #[error("G4 needs the time P in seconds")]
     MissingDwell,
+    /// An M function without a word it needs.
+    #[error("M{m} needs {letter}: {}", purpose(*letter))]
+    MissingMWord {
+        /// Number of the M function.
+        m: u16,
+        /// Letter of the word.
+        letter: char,
+    },
+    /// M66 without P and E.
+    #[error("M66 needs the number of its input: P if it is digital, E if it is analog")]
+    WaitWithoutInput,
+    /// M66 with P and E.
+    #[error("M66 reads one input: either the digital one of P or the analog one of E")]
+    WaitForTwoInputs,
+    /// M66 that waits for an analog input.
+    #[error("M66 cannot wait for an analog input (E): leave L out, or use L0")]
+    WaitForAnalog,
+    /// M66 that waits without end.
+    #[error("M66 with L1 to L4 needs its longest waiting time Q in seconds, more than 0")]
+    WaitWithoutTimeout,
+    /// M72 without M70 or M73.
+    #[error(
+        "M72 has nothing to restore: save the modal state with M70 or M73 in the same subroutine first"
+    )]
+    NoSavedModes,
+    /// M72 with other words.
+    #[error("M72 needs a block of its own: LinuxCNC leaves out the words next to it")]
+    WordsWithRestore,
     /// G53 without G0 or G1.
     #[error("G53 needs G0 or G1")]
     MachineFrameWithoutLine,
@@ -391,6 +419,15 @@ pub enum DecodeError {
         /// Distance of the end from the centre, mm.
         end_radius_mm: f64,
     },
+}
+
+/// Purpose of a word of an M function, in words.
+fn purpose(letter: char) -> &'static str {
+    match letter {
+        'P' => "the number of the digital output",
+        'E' => "the number of the analog output",
+        _ => "the value of the analog output",
+    }
 }
 
 /// State in which a probing move must not begin, in words.

@@ -234,6 +234,11 @@ impl Offsets {
         }
     }
 
+    /// The system in force: 0 for G54 to 8 for G59.3.
+    pub(super) fn system(&self) -> u8 {
+        u8::try_from(self.system).unwrap_or_default()
+    }
+
     /// The word of the system in force, in tenths: 540 for G54 to 593 for G59.3.
     pub(super) fn system_number(&self) -> f64 {
         const NUMBERS: [f64; 9] = [540.0, 550.0, 560.0, 570.0, 580.0, 590.0, 591.0, 592.0, 593.0];

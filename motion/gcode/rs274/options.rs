@@ -56,6 +56,8 @@ pub enum ToolReference {
 pub enum PathMode {
     /// G61: exactly as programmed.
     ExactPath,
+    /// G61.1: exactly as programmed, with a stop at the end of each move.
+    ExactStop,
     /// G64: as fast as possible.
     #[default]
     Continuous,

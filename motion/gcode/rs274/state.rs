@@ -4,6 +4,8 @@ use super::block::{Block, Letter, Letters};
 use super::compensation::Compensation;
 use super::cycle::Series;
 use super::error::{DecodeError, Problem};
+use super::input_output::m_letters;
+use super::modes::{Overrides, Saved};
 use super::offsets::{Home, Location, Offsets};
 use super::options::{DecoderOptions, LengthUnit, PathMode, Position};
 use super::output::Output;
@@ -11,7 +13,7 @@ use super::parameters::Parameters;
 use super::probe::ProbeTarget;
 use super::spindle::SurfaceSpeed;
 use super::tool_table::ToolTable;
-use super::word::{Compensate, FeedMode, Motion, OneShot, ToolLength};
+use super::word::{Compensate, FeedMode, Motion, OneShot, PathControl, ToolLength};
 use twin_path::{ElementKind, MParameters, Plane};
 
 /// Limits of numbers, in their own units.
@@ -79,7 +81,11 @@ pub(super) struct State {
     pub(super) surface_speed: Option<SurfaceSpeed>,
     /// M3 or M4.
     pub(super) spindle: Option<u16>,
-    coolant_on: bool,
+    /// Mist (M7) and flood (M8).
+    pub(super) coolant: [bool; 2],
+    pub(super) overrides: Overrides,
+    /// States saved by M70 and M73: of the program, then of each subroutine in work.
+    pub(super) saved: Vec<Saved>,
     pub(super) selected_tool: Option<u32>,
     pub(super) tool: u32,
     pub(super) parameters: Parameters,
@@ -123,7 +129,9 @@ impl State {
             speed: None,
             surface_speed: None,
             spindle: None,
-            coolant_on: false,
+            coolant: [false; 2],
+            overrides: Overrides::default(),
+            saved: Vec::new(),
             selected_tool: None,
             tool: options.tool,
             parameters,
@@ -254,7 +262,7 @@ impl State {
     /// Checks that each word of `block` has something to act on.
     fn check_words(&self, block: &Block, motion: Option<Motion>) -> Result<(), Problem> {
         const PLAIN: Letters = Letters::AXES.with(Letters::of(&[Letter::F, Letter::S, Letter::T]));
-        let mut used = PLAIN;
+        let mut used = PLAIN.with(m_letters(block));
         match motion {
             Some(Motion::Arc { .. }) => {
                 used = used.with(Letters::CENTER).with(Letters::of(&[Letter::P, Letter::R]));
@@ -270,7 +278,7 @@ impl State {
         if block.g.one_shot == Some(OneShot::Dwell) {
             used = used.with(Letters::of(&[Letter::P]));
         }
-        if block.g.exact_path == Some(false) {
+        if block.g.path_control == Some(PathControl::Blend) {
             used = used.with(Letters::of(&[Letter::P, Letter::Q]));
         }
         if matches!(block.g.compensation, Some(Compensate::Diameter { .. })) {
@@ -364,6 +372,7 @@ impl State {
             self.find_tool(tool, Letter::T, block, out)?;
             self.selected_tool = Some(tool);
         }
+        self.set_outputs(block, out)?;
         if block.m.tool_change == Some(6) {
             // The spindle number replaces it.
             self.stop_spindle(out);
@@ -374,10 +383,12 @@ impl State {
             self.set_tool_number(block, out)?;
         }
         self.turn_spindle(block, out)?;
+        self.keep_modes(block, out)?;
         if let Some(number) = block.m.coolant {
-            self.coolant_on = number != 9;
-            self.m_function(number, None, out);
+            self.set_coolant(number, out);
         }
+        self.set_overrides(block);
+        self.call_user(block, out);
         Ok(())
     }
 
@@ -385,8 +396,8 @@ impl State {
     pub(super) fn end(&mut self, out: &mut Output) {
         self.release(out);
         self.stop_spindle(out);
-        if std::mem::take(&mut self.coolant_on) {
-            self.m_function(9, None, out);
+        if self.coolant.contains(&true) {
+            self.set_coolant(9, out);
         }
     }
 
@@ -413,10 +424,14 @@ impl State {
     }
 
     fn set_path_mode(&mut self, block: &Block) {
-        let metres = |letter| block.get(letter).map(|length| self.units.to_metres(length));
-        match block.g.exact_path {
-            Some(true) => self.path_mode = PathMode::ExactPath,
-            Some(false) => {
+        // A negative number counts as none.
+        let metres = |letter| {
+            block.get(letter).filter(|it| *it >= 0.0).map(|length| self.units.to_metres(length))
+        };
+        match block.g.path_control {
+            Some(PathControl::ExactPath) => self.path_mode = PathMode::ExactPath,
+            Some(PathControl::ExactStop) => self.path_mode = PathMode::ExactStop,
+            Some(PathControl::Blend) => {
                 self.path_mode = match metres(Letter::P) {
                     Some(path) => PathMode::Tolerance { path, naive_cam: metres(Letter::Q) },
                     None => PathMode::Continuous,

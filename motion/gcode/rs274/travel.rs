@@ -398,7 +398,7 @@ impl State {
         let [start, end] = rotary;
         self.path_end = Some(Position { linear: shape.end().into(), rotary: end });
         let mut details = None;
-        let parameters = parameters.filter(|parameters| parameters.k.is_some());
+        let parameters = parameters.filter(|parameters| *parameters != MParameters::default());
         if self.rotary || parameters.is_some() {
             let angles = |[a, b, c]: [f64; 3]| [a, b, c, 0.0, 0.0];
             let extra = ExtraAxes { start: angles(start), end: angles(end) };

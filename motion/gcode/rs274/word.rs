@@ -133,6 +133,17 @@ pub(super) enum ToolLength {
     Added,
 }
 
+/// Group 13: path control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PathControl {
+    /// G61.
+    ExactPath,
+    /// G61.1.
+    ExactStop,
+    /// G64.
+    Blend,
+}
+
 /// Modal groups of G words, with LinuxCNC's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Group {
@@ -158,7 +169,7 @@ enum Group {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct GWords {
     /// Groups that are taken, a bit each.
-    groups: u32,
+    pub(super) groups: u32,
     pub(super) motion: Option<Motion>,
     pub(super) one_shot: Option<OneShot>,
     /// G92.1, G92.2 or G92.3.
@@ -170,8 +181,7 @@ pub(super) struct GWords {
     pub(super) tool_length: Option<ToolLength>,
     /// G54 to G59.3 as 0 to 8.
     pub(super) system: Option<u8>,
-    /// G61 (true), G64.
-    pub(super) exact_path: Option<bool>,
+    pub(super) path_control: Option<PathControl>,
     /// G91 (true), G90.
     pub(super) relative: Option<bool>,
     /// G90.1 (true), G91.1.
@@ -191,7 +201,7 @@ type GWord = (u16, Group, fn(&mut GWords));
 
 /// The G words, in the order of their numbers.
 #[rustfmt::skip]
-const G_WORDS: [GWord; 73] = [
+const G_WORDS: [GWord; 74] = [
     (  0, Group::Motion,       |g| g.motion = Some(Motion::Rapid)),
     ( 10, Group::Motion,       |g| g.motion = Some(Motion::Line)),
     ( 20, Group::Motion,       |g| g.motion = Some(Motion::Arc { clockwise: true })),
@@ -235,8 +245,9 @@ const G_WORDS: [GWord; 73] = [
     (591, Group::System,       |g| g.system = Some(6)),
     (592, Group::System,       |g| g.system = Some(7)),
     (593, Group::System,       |g| g.system = Some(8)),
-    (610, Group::PathControl,  |g| g.exact_path = Some(true)),
-    (640, Group::PathControl,  |g| g.exact_path = Some(false)),
+    (610, Group::PathControl,  |g| g.path_control = Some(PathControl::ExactPath)),
+    (611, Group::PathControl,  |g| g.path_control = Some(PathControl::ExactStop)),
+    (640, Group::PathControl,  |g| g.path_control = Some(PathControl::Blend)),
     (730, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(73)))),
     (740, Group::Motion,       |g| g.motion = Some(Motion::Cycle(Cycle(74)))),
     (760, Group::Motion,       |g| g.motion = Some(Motion::Thread(Thread::Cycle))),
@@ -271,22 +282,33 @@ const G_WORDS: [GWord; 73] = [
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum MGroup {
     Stop = 4,
+    InputOutput = 5,
     ToolChange = 6,
     Spindle = 7,
     Coolant = 8,
+    Overrides = 9,
+    User = 10,
 }
 
 /// M words of a line, by their numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct MWords {
     /// Groups that are taken, a bit each.
-    groups: u32,
+    pub(super) groups: u32,
     /// M6 or M61.
     pub(super) tool_change: Option<u16>,
     /// M3, M4, M5 or M19.
     pub(super) spindle: Option<u16>,
     /// M7, M8 or M9.
     pub(super) coolant: Option<u16>,
+    /// M48 to M53.
+    pub(super) overrides: Option<u16>,
+    /// M62 to M68.
+    pub(super) input_output: Option<u16>,
+    /// M70 to M73.
+    pub(super) modes: Option<u16>,
+    /// M100 to M199.
+    pub(super) user: Option<u16>,
     /// M0, M1, M2, M30 or M60.
     pub(super) stop: Option<u16>,
 }
@@ -296,15 +318,19 @@ type MWord = (u16, u16, MGroup, fn(&mut MWords) -> &mut Option<u16>);
 
 /// The M words, in the order of their numbers. M98 and M99 are those of `flow.rs`.
 #[rustfmt::skip]
-const M_WORDS: [MWord; 8] = [
+const M_WORDS: [MWord; 12] = [
     ( 0,  2, MGroup::Stop,       |m| &mut m.stop),
     ( 3,  5, MGroup::Spindle,    |m| &mut m.spindle),
     ( 6,  6, MGroup::ToolChange, |m| &mut m.tool_change),
     ( 7,  9, MGroup::Coolant,    |m| &mut m.coolant),
     (19, 19, MGroup::Spindle,    |m| &mut m.spindle),
     (30, 30, MGroup::Stop,       |m| &mut m.stop),
+    (48, 53, MGroup::Overrides,  |m| &mut m.overrides),
     (60, 60, MGroup::Stop,       |m| &mut m.stop),
     (61, 61, MGroup::ToolChange, |m| &mut m.tool_change),
+    (62, 68, MGroup::InputOutput, |m| &mut m.input_output),
+    (70, 73, MGroup::Spindle,    |m| &mut m.modes),
+    (100, 199, MGroup::User,     |m| &mut m.user),
 ];
 
 /// Error of a G or M word.

@@ -123,7 +123,7 @@ impl State {
         let word = word
             .or(words.tool_length.map(|_| "a tool length (G43, G49)"))
             .or(words.system.map(|_| "another coordinate system (G54 to G59.3)"))
-            .or(words.exact_path.map(|_| "another path mode (G61, G64)"))
+            .or(words.path_control.map(|_| "another path mode (G61, G64)"))
             .or(words.initial_level.map(|_| "another retract mode (G98, G99)"))
             .or(match motion {
                 Some(Motion::Probe(_)) => Some("a probing move (G38.2 to G38.5)"),

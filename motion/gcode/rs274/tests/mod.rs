@@ -9,6 +9,7 @@ mod cycles;
 mod errors;
 mod generate;
 mod linuxcnc;
+mod modes;
 mod moves;
 mod offsets;
 mod oracle;
