@@ -20,6 +20,9 @@ pub enum OffsetError {
         .0.map_or_else(|| "L is missing".to_owned(), |l| format!("G10 has no L{l}"))
     )]
     Kind(Option<u32>),
+    /// G10 L0 with a tool in the spindle.
+    #[error("G10 L0 needs an empty spindle, but tool {0} is in it; program T0 M6 before it")]
+    LoadedTool(u32),
     /// G10 without P.
     #[error(
         "G10 L{0} needs P: the number of the tool, or of the coordinate system (1 for G54 to 9 for G59.3, 0 for the one in force)"
@@ -123,6 +126,9 @@ impl State {
         let kind = block.whole(Letter::L, 0).map_err(|error| at(block, Letter::L, error))?;
         match kind {
             // Reads the tool table again, which nobody has changed.
+            Some(0) if self.tool != 0 => {
+                Err(at(block, Letter::L, OffsetError::LoadedTool(self.tool).into()))
+            }
             Some(0) => Ok(()),
             Some(l @ (1 | 10 | 11)) => self.set_tool_data(l, block, out),
             Some(l @ (2 | 20)) => self.set_system_data(l, block),
