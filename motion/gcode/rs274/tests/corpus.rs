@@ -90,7 +90,7 @@ fn correct_threads(text: &str, moves: &mut Vec<Move>) {
         let line = &lines[one.line as usize - 1];
         let end = one.points.get(..3).map(<[f64]>::to_vec);
         if line.starts_with("g33") {
-            one.feed = LOWEST_INVERSE_TIME;
+            one.feed = LOWEST_INVERSE_TIME[0];
         }
         if line.starts_with("g33.1") {
             let back = Move { points: before.clone(), ..one.clone() };

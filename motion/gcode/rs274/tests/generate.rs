@@ -47,14 +47,17 @@ struct Generator {
     nesting: u32,
 }
 
-/// The lines of the program of a seed, with these features at most.
-pub(super) fn program(seed: u64, features: &[&'static str]) -> Vec<String> {
+/// The program of a seed, with these features at most.
+pub(super) fn program(seed: u64, features: &[&'static str]) -> String {
     let (rules, features) = (rules(), features.to_vec());
     let mut generator = Generator { random: seed, rules, features, labels: 400, nesting: 0 };
     // Programs of some features find more than those of all.
     let kept = 2 + generator.up_to(3);
     let mut features = std::mem::take(&mut generator.features);
     features.retain(|_| generator.up_to(5) <= kept);
+    if features.contains(&"do") {
+        features.retain(|feature| *feature != "breaks");
+    }
     generator.features = features;
     let subroutines = generator.symbol("subroutines");
     let fanuc = generator.symbol("fanuc");
@@ -62,7 +65,7 @@ pub(super) fn program(seed: u64, features: &[&'static str]) -> Vec<String> {
     generator.features.push("called");
     let text = generator.symbol("program").replace("SUBROUTINES", &subroutines);
     let lines = text.lines().chain(fanuc.lines()).filter(|line| !line.is_empty());
-    lines.map(|line| generator.line(line)).collect()
+    lines.map(|line| generator.line(line) + "\n").collect()
 }
 
 impl Generator {

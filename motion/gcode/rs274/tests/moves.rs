@@ -71,7 +71,7 @@ pub(super) fn difference(decoded: &Decoded, expected: &[Move]) -> Result<usize, 
 }
 
 /// `element` as a move; M functions are none.
-pub(super) fn as_move(element: &PathElement) -> Option<Move> {
+fn as_move(element: &PathElement) -> Option<Move> {
     let points = (element.end().coords * 1e3).as_slice().to_vec();
     let mut result = Move { line: element.place.line, points, ..Move::default() };
     if let Some(extra) = element.extra() {
@@ -105,13 +105,14 @@ pub(super) fn as_move(element: &PathElement) -> Option<Move> {
     Some(result)
 }
 
-/// LinuxCNC's lowest feed in inverse time, mm/min; here a block takes the time that F says.
-pub(super) const LOWEST_INVERSE_TIME: Option<f64> = Some(0.1);
+/// LinuxCNC's lowest feeds in inverse time, mm/min, of programs in mm and in inches; here a block takes the time that F
+/// says.
+pub(super) const LOWEST_INVERSE_TIME: [Option<f64>; 2] = [Some(0.1), Some(2.54)];
 
 impl Move {
     /// Difference of `self` from LinuxCNC's `expected`: end points and centres by more than 1e-4 mm, anything else by
     /// more than LinuxCNC's last printed digit. `None` if it does not.
-    pub(super) fn difference(&self, expected: &Self) -> Option<String> {
+    fn difference(&self, expected: &Self) -> Option<String> {
         fn close(ours: &[f64], expected: &[f64], tolerance: f64) -> bool {
             let mut pairs = ours.iter().zip(expected);
             ours.len() == expected.len() && pairs.all(|(a, b)| (a - b).abs() <= tolerance)
@@ -120,7 +121,7 @@ impl Move {
         let same = self.line == expected.line
             && self.kind == expected.kind
             && close(&self.points, &expected.points, 1e-4)
-            && (expected.feed == LOWEST_INVERSE_TIME
+            && (LOWEST_INVERSE_TIME.contains(&expected.feed)
                 || close(self.feed.as_slice(), expected.feed.as_slice(), feed_tolerance))
             && close(&self.abc, &expected.abc, 1e-6)
             && self.seconds == expected.seconds;

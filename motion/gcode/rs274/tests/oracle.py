@@ -29,25 +29,23 @@ that it had then, for the present one. G20 and G21 take the tool offset's number
 or YZ has no sensible centre if the coordinates are rotated. In G93 the feed of a rotary move is wrong if G20 or G21 is
 in its block.
 """
-import argparse, ctypes, json, math, os, pathlib, queue, select, subprocess, sys, tempfile, threading
+import argparse, contextlib, ctypes, json, math, os, pathlib, queue, select, subprocess, sys, tempfile, threading
 
 FILES = 'tools', 'parameters', 'subroutines'
 INCH = 25.4
-PLANES = {1: 'xy', 2: 'yz', 3: 'xz'}
-# Indices of first and second coordinate and of the normal.
-AXES = {'xy': (0, 1, 2), 'yz': (1, 2, 0), 'xz': (2, 0, 1)}
+# Name, and indices of first and second coordinate and of the normal.
+PLANES = {1: ('xy', 0, 1, 2), 2: ('yz', 1, 2, 0), 3: ('xz', 2, 0, 1)}
 
 
 class Canon:
     """Machine that the interpreter drives: inches and degrees, nine axes, converted as they come."""
 
     def __init__(self, parameter_file, tools):
-        self.parameter_file, self.tools, self.spindle = parameter_file, tools, (0,) + (0.0,) * 12 + (0,)
-        self.moves, self.line, self.metric, self.plane = [], 0, False, 'xy'
+        self.parameter_file, self.tools, self.spindle = parameter_file, tools, tool(0)
+        self.moves, self.line, self.metric, self.plane = [], 0, False, PLANES[1]
         self.feed = self.rotary_feed = INCH
-        self.system, self.shift, self.tool = [0.0] * 9, [0.0] * 9, [0.0] * 9
+        self.system, self.shift, self.tool, self.at = ([0.0] * 9 for _ in range(4))
         self.cos, self.sin = 1.0, 0.0
-        self.at = [0.0] * 9
 
     def __getattr__(self, name):
         """Anything else that the interpreter calls has no effect on moves."""
@@ -64,17 +62,15 @@ class Canon:
 
     def get_tool(self, index):
         """Index 0 is the spindle, then the table in its order."""
-        return self.spindle if index == 0 else self.tools[index - 1] if index <= len(self.tools) else (-1,) + self.NONE
-
-    NONE = (0.0,) * 12 + (0,)
+        return self.spindle if index == 0 else self.tools[index - 1] if index <= len(self.tools) else NO_TOOL
 
     # What it sets. Lengths are in mm from here on.
     def next_line(self, state):
         # The units are those of the block before; so F of a block with G20 or G21 is read as it must be.
         self.line, self.metric = max(state.sequence_number, 0), 210 in state.gcodes
 
-    def change_tool(self, number):
-        self.spindle = next((tool for tool in self.tools if tool[0] == number), (0,) + self.NONE)
+    def change_tool(self, index):
+        self.spindle = self.tools[index - 1] if 0 < index <= len(self.tools) else tool(0)
 
     def set_feed_rate(self, rate):
         self.feed = rate * INCH
@@ -100,11 +96,11 @@ class Canon:
 
     def arc_feed(self, first, second, center_first, center_second, turns, along, *others):
         end, center = [0.0] * 3 + list(others), [0.0] * 9
-        one, two, normal = AXES[self.plane]
+        name, one, two, normal = self.plane
         end[one], end[two], end[normal] = first, second, along
         center[one], center[two] = center_first, center_second
         center = self.machine(millimetres(center))
-        self.move('arc', self.machine(millimetres(end)), plane=self.plane, turns=turns,
+        self.move('arc', self.machine(millimetres(end)), plane=name, turns=turns,
                   center=rounded((center[one], center[two])))
 
     def machine(self, program):
@@ -126,6 +122,14 @@ class Canon:
         self.at = end
 
 
+def tool(number, x=0.0, y=0.0, z=0.0, diameter=0.0):
+    """Number, offsets of nine axes, diameter, and what lathes need."""
+    return (int(number), float(x), float(y), float(z)) + (0.0,) * 6 + (float(diameter), 0.0, 0.0, 0)
+
+
+NO_TOOL = tool(-1)
+
+
 def millimetres(values):
     return [value if 3 <= axis < 6 else value * INCH for axis, value in enumerate(values)]
 
@@ -136,12 +140,11 @@ def rounded(values):
 
 def child(options, folder, answers):
     """Answers each name of a program's file on standard input by the program's moves."""
-    rows = [line.split() for line in open(options.tools)] if options.tools else []
-    tools = [(int(n), float(x), float(y), float(z)) + (0.0,) * 6 + (float(d), 0.0, 0.0, 0) for n, x, y, z, d in rows]
+    tools = [tool(*line.split()) for line in open(options.tools)] if options.tools else []
     # The interpreter looks up indices of tools in a file that is mapped into memory, and everything else by `get_tool`.
     os.environ['HOME'] = folder
     table, parameters = os.path.join(folder, 'tools'), os.path.join(folder, 'parameters')
-    pathlib.Path(table).write_text(''.join(f'T{tool[0]} P{tool[0]}\n' for tool in tools))
+    pathlib.Path(table).write_text(''.join(f'T{one[0]} P{one[0]}\n' for one in tools))
     if options.subroutines:
         os.environ['INI_FILE_NAME'] = os.path.join(folder, 'ini')
         pathlib.Path(folder, 'ini').write_text(f'[RS274NGC]\nSUBROUTINE_PATH={options.subroutines}\n')
@@ -151,13 +154,12 @@ def child(options, folder, answers):
     library._Z13tooldata_initb(False)
     library._Z13tooldata_loadPKcPPc(table.encode(), None)
     initial = pathlib.Path(options.parameters).read_bytes() if options.parameters else b''
-    # The module keeps the tool offset and the selected tool of the program before.
+    # The module keeps the tool offset of the program before.
     reset, is_dirty = os.path.join(folder, 'reset'), False
-    pathlib.Path(reset).write_text('T0 G49\nM2\n')
+    pathlib.Path(reset).write_text('G49\nM2\n')
     for program in map(str.rstrip, sys.stdin):
         if is_dirty:
             gcode.parse(reset, Canon(parameters, tools), 'G21', '')
-        is_dirty = b'T' in pathlib.Path(program).read_bytes().upper()
         pathlib.Path(parameters).write_bytes(initial)
         canon = Canon(parameters, tools)
         result = {'rc': 0, 'line': 0, 'message': ''}
@@ -165,51 +167,54 @@ def child(options, folder, answers):
             code, result['line'] = gcode.parse(program, canon, 'G21', '')
             if code > gcode.MIN_ERROR:
                 result['rc'], result['message'] = code, gcode.strerror(code)
-            is_dirty |= any(canon.tool)
         except Exception as error:
             result['rc'], result['message'] = -1, str(error)
+        is_dirty = any(canon.tool)
         print(json.dumps(result | {'moves': canon.moves}), file=answers, flush=True)
 
 
 def work(options, programs, results):
     """Gives programs to a child, and to another one when it crashes or does not answer."""
-    process, buffer = None, b''
     with tempfile.TemporaryDirectory() as folder:
-        given = os.path.join(folder, 'program.ngc')
-        while (item := take(programs)) is not None:
-            number, path, text = item
+        process, given = None, os.path.join(folder, 'program.ngc')
+        for number, path, text in iter(programs.get, None):
             if text is not None:
                 pathlib.Path(given).write_text(text)
-            if process is None or process.poll() is not None:
-                files = [f'--{name}={file}' for name in FILES if (file := getattr(options, name))]
-                command = [sys.executable, '-B', os.path.abspath(__file__), f'--child={folder}', *files]
-                process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                           stderr=subprocess.DEVNULL, cwd=folder)
-            process.stdin.write(f'{path or given}\n'.encode())
-            process.stdin.flush()
-            answer, message = b'', 'no answer in time'
-            while not answer.endswith(b'\n') and select.select([process.stdout], [], [], options.timeout)[0]:
-                if not (piece := os.read(process.stdout.fileno(), 1 << 20)):
-                    message = 'the interpreter crashed'
+            # A crash may be the fault of the program before: it counts in a child of its own.
+            for is_new in [process is None, True]:
+                process = process or start(options, folder)
+                results[number], is_alive = ask(process, path or given, options.timeout)
+                if not is_alive:
+                    process.kill()
+                    process.wait()
+                    process = None
+                if is_alive or is_new:
                     break
-                answer += piece
-            if answer.endswith(b'\n'):
-                results[number] = json.loads(answer)
-                continue
-            process.kill()
-            process.wait()
-            process = None
-            results[number] = {'rc': None, 'line': 0, 'message': message, 'moves': []}
         if process is not None:
             process.stdin.close()
             process.wait()
 
 
-def take(programs):
-    try:
-        return programs.get_nowait()
-    except queue.Empty:
-        return None
+def start(options, folder):
+    files = [f'--{name}={file}' for name in FILES if (file := getattr(options, name))]
+    command = [sys.executable, '-B', os.path.abspath(__file__), f'--child={folder}', *files]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, cwd=folder)
+
+
+def ask(process, path, timeout):
+    """The child's answer, and whether it is still of use."""
+    with contextlib.suppress(BrokenPipeError):
+        process.stdin.write(f'{path}\n'.encode())
+        process.stdin.flush()
+    answer, message = b'', 'no answer in time'
+    while not answer.endswith(b'\n') and select.select([process.stdout], [], [], timeout)[0]:
+        if not (piece := os.read(process.stdout.fileno(), 1 << 20)):
+            message = 'the interpreter crashed'
+            break
+        answer += piece
+    if answer.endswith(b'\n'):
+        return json.loads(answer), True
+    return {'rc': None, 'line': 0, 'message': message, 'moves': []}, False
 
 
 def main():
@@ -231,13 +236,12 @@ def main():
     else:
         given = [(item['name'], None, item['program']) for item in map(json.loads, sys.stdin)]
     programs, results = queue.SimpleQueue(), [None] * len(given)
-    for number, (_, path, text) in enumerate(given):
-        programs.put((number, path, text))
+    for item in [(number, path, text) for number, (_, path, text) in enumerate(given)] + [None] * options.jobs:
+        programs.put(item)
     workers = [threading.Thread(target=work, args=(options, programs, results)) for _ in range(options.jobs)]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
+    for step in threading.Thread.start, threading.Thread.join:
+        for worker in workers:
+            step(worker)
     for (name, _, _), result in zip(given, results):
         print(json.dumps({'name': name} | result))
 
