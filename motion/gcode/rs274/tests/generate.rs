@@ -11,6 +11,10 @@ const PLANES: [(&str, [char; 3], [char; 2]); 3] = [
     ("G19", ['Y', 'Z', 'X'], ['J', 'K']),
 ];
 
+/// Features that together differ from LinuxCNC's, as the documentation of `rs274` says.
+const APART: [(&str, &str); 3] =
+    [("do", "breaks"), ("rotation", "shift"), ("rotation", "local-shift")];
+
 /// The features of the grammar whose mark is one of `marks`: + if the decoder has them, - if not.
 pub(super) fn features(marks: &str) -> Vec<&'static str> {
     let marked = GRAMMAR.lines().filter(|line| line.starts_with(['+', '-']));
@@ -55,8 +59,10 @@ pub(super) fn program(seed: u64, features: &[&'static str]) -> String {
     let kept = 2 + generator.up_to(3);
     let mut features = std::mem::take(&mut generator.features);
     features.retain(|_| generator.up_to(5) <= kept);
-    if features.contains(&"do") {
-        features.retain(|feature| *feature != "breaks");
+    for (one, other) in APART {
+        if features.contains(&one) {
+            features.retain(|feature| *feature != other);
+        }
     }
     generator.features = features;
     let subroutines = generator.symbol("subroutines");
