@@ -209,6 +209,11 @@ impl<R: BufRead> Decoder<R> {
     /// Carries out the block.
     fn execute(&mut self) {
         if let Some(message) = self.block.message.take() {
+            if message.kind == "ABORT" {
+                self.out.error(None, FlowError::Abort(message.text).into());
+                self.ended = true;
+                return;
+            }
             self.out.warning(None, DecodeError::Message(message));
         }
         for assignment in std::mem::take(&mut self.block.assignments) {

@@ -11,7 +11,8 @@
 
 use super::error::{DecodeError, Problem};
 use super::lexer::Lexer;
-use super::parameters::{Target, WHOLE};
+use super::parameters::{ParameterError, Target, WHOLE};
+use std::f64::consts::PI;
 
 /// The deepest nesting of values: brackets, signs and `#`.
 const MAX_DEPTH: u32 = 100;
@@ -189,13 +190,13 @@ impl Function {
             Self::Abs => argument.abs(),
             Self::Acos => {
                 within("ACOS", argument.abs() <= 1.0, "it takes -1 to 1")?;
-                argument.acos().to_degrees()
+                degrees(argument.acos())
             }
             Self::Asin => {
                 within("ASIN", argument.abs() <= 1.0, "it takes -1 to 1")?;
-                argument.asin().to_degrees()
+                degrees(argument.asin())
             }
-            Self::Cos => argument.to_radians().cos(),
+            Self::Cos => radians(argument).cos(),
             Self::Exp => argument.exp(),
             Self::Fix => argument.floor(),
             Self::Fup => argument.ceil(),
@@ -204,15 +205,34 @@ impl Function {
                 argument.ln()
             }
             Self::Round => argument.round(),
-            Self::Sin => argument.to_radians().sin(),
+            Self::Sin => radians(argument).sin(),
             Self::Sqrt => {
                 within("SQRT", argument >= 0.0, "it takes 0 and numbers above")?;
                 argument.sqrt()
             }
-            Self::Tan => argument.to_radians().tan(),
+            Self::Tan => radians(argument).tan(),
             Self::Atan | Self::Exists => argument,
         })
     }
+}
+
+/// Rest of π behind its 53 bits.
+const PI_REST: f64 = 1.224_646_799_147_353_2e-16;
+
+/// `angle` in degrees, with π to 106 bits: a function of a round number gives a round number more often, and the same
+/// as in LinuxCNC.
+fn degrees(angle: f64) -> f64 {
+    let product = angle * 180.0;
+    let quotient = product / PI;
+    quotient + ((-quotient).mul_add(PI, product) - quotient * PI_REST) / PI
+}
+
+/// `angle` in radians; see [`degrees`].
+fn radians(angle: f64) -> f64 {
+    let product = angle * PI;
+    let rest = angle.mul_add(PI, -product) + angle * PI_REST;
+    let quotient = product / 180.0;
+    quotient + ((-quotient).mul_add(180.0, product) + rest) / 180.0
 }
 
 impl Lexer<'_> {
@@ -286,14 +306,20 @@ impl Lexer<'_> {
         match function {
             Function::Exists => {
                 self.expect('[')?;
-                let parameter = self.parameter()?;
+                let exists = match self.parameter() {
+                    Ok(parameter) => self.state.parameter(&parameter).is_ok(),
+                    Err(problem) => match problem.error {
+                        DecodeError::Parameter(ParameterError::Number(_)) => false,
+                        _ => return Err(problem),
+                    },
+                };
                 self.expect(']')?;
-                Ok(if self.state.parameter(&parameter).is_ok() { 1.0 } else { 0.0 })
+                Ok(if exists { 1.0 } else { 0.0 })
             }
             Function::Atan => {
                 let over = self.expression()?;
                 self.expect('/')?;
-                Ok(over.atan2(self.expression()?).to_degrees())
+                Ok(degrees(over.atan2(self.expression()?)))
             }
             _ => {
                 let argument = self.expression()?;

@@ -122,6 +122,9 @@ pub enum FlowError {
     /// M99 outside of a subroutine: an endless program. A warning.
     #[error("M99 begins the program anew, without end: it is read once")]
     EndlessProgram,
+    /// The message (ABORT, ...).
+    #[error("the program ends itself: {0}")]
+    Abort(String),
     /// The file of a subroutine cannot be read.
     #[error("the file of subroutine {label} cannot be read: {cause}")]
     File {
@@ -372,8 +375,12 @@ impl Lexer<'_> {
             Keyword::Call => {
                 let mut values = Box::new([0.0; LOCAL]);
                 let mut slots = values.iter_mut();
-                while self.peek() == Some(b'[') {
+                while let Some(next @ (b'[' | b'(')) = self.peek() {
                     let at = self.at;
+                    if next == b'(' {
+                        self.comment()?;
+                        continue;
+                    }
                     let argument = self.expression()?;
                     let Some(slot) = slots.next() else {
                         return Err(self.since(at, FlowError::TooManyArguments));

@@ -6,14 +6,15 @@ use super::state::State;
 /// A comment that a control acts on, its parameters replaced by their values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// Purpose, in capitals: MSG, DEBUG, PRINT, LOG, LOGOPEN, LOGAPPEND, LOGCLOSE, PROBEOPEN or PROBECLOSE.
+    /// Purpose, in capitals: ABORT, MSG, DEBUG, PRINT, LOG, LOGOPEN, LOGAPPEND, LOGCLOSE, PROBEOPEN or PROBECLOSE.
     pub kind: &'static str,
     /// Text.
     pub text: String,
 }
 
 /// Purposes, and whether parameters in their text are replaced.
-const KINDS: [(&str, bool); 9] = [
+const KINDS: [(&str, bool); 10] = [
+    ("ABORT", true),
     ("MSG", false),
     ("DEBUG", true),
     ("PRINT", true),
