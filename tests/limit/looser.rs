@@ -87,7 +87,7 @@ fn programs() -> Vec<Course> {
         elements.truncate(6);
         let tolerance = match mode {
             PathMode::Tolerance { path, .. } => path,
-            PathMode::ExactPath | PathMode::Continuous => 1e-6,
+            PathMode::ExactPath | PathMode::ExactStop | PathMode::Continuous => 1e-6,
         };
         let room = if program.is_exact() { STOPS } else { BLENDS };
         Course { name: program.name, elements, tolerance, room }

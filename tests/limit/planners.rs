@@ -50,7 +50,7 @@ fn limited_each(program: &Program, jerks: [Option<f64>; 3]) -> Result<Planned, S
     let tolerance = match mode {
         PathMode::Tolerance { path, .. } => path,
         // What a machine file has unless it says otherwise: exact to a micrometre.
-        PathMode::ExactPath | PathMode::Continuous => 1e-6,
+        PathMode::ExactPath | PathMode::ExactStop | PathMode::Continuous => 1e-6,
     };
     let smooth = jerks.iter().any(Option::is_some);
     let order = if smooth { Order::Acceleration } else { Order::Velocity };

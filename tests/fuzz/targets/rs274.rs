@@ -6,8 +6,10 @@ mod path;
 
 use libfuzzer_sys::fuzz_target;
 use std::io::BufReader;
+use twin_gcode::rs274::{
+    Decoder, DecoderOptions, FlowLimits, MAX_CYCLE_MOVES, ProbePath, ProbeTarget, Surroundings,
+};
 use twin_path::ElementKind;
-use twin_gcode::rs274::{Decoder, DecoderOptions, MAX_CYCLE_MOVES, ProbePath, ProbeTarget, Surroundings};
 
 /// Every other probing move trips, a third of the way along.
 #[derive(Debug, Default)]
@@ -20,19 +22,28 @@ impl ProbeTarget for Sometimes {
     }
 }
 
+/// Loops and calls of an input.
+const JUMPS: usize = 5;
+
 fuzz_target!(|program: &[u8]| {
-    // A line of a few bytes can be a canned cycle; nothing else makes more items than it has bytes.
+    // A line is executed once for each jump at most, and a line of a few bytes can be a canned cycle or a thread.
     let lines = program.split(|byte| *byte == b'\n').count();
-    let cycles = program.iter().filter(|byte| matches!(byte, b'L' | b'l')).count().min(lines);
-    let most = 4 * (program.len() + 2) + cycles * (MAX_CYCLE_MOVES + 16);
+    let cycles =
+        program.windows(2).filter(|pair| matches!(pair, [_, b'7' | b'8'])).count().min(lines);
+    let most = (JUMPS + 1) * (4 * (program.len() + 2) + cycles * (MAX_CYCLE_MOVES + 16));
     // Inputs that ask for many holes only take long.
     if cycles > 20 {
         return;
     }
     for keep_empty_moves in [false, true] {
+        let flow_limits = FlowLimits { jumps: JUMPS as u64, ..FlowLimits::default() };
         let surroundings = keep_empty_moves.then(|| Surroundings::new(Sometimes::default));
-        let options =
-            DecoderOptions { keep_empty_moves, surroundings, ..DecoderOptions::default() };
+        let options = DecoderOptions {
+            keep_empty_moves,
+            surroundings,
+            flow_limits,
+            ..DecoderOptions::default()
+        };
         let path = path::decoded(Decoder::new(program, options.clone()), most);
         // However it is cut into pieces, it is the same.
         let pieces = BufReader::with_capacity(3, program);
