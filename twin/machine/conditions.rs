@@ -6,7 +6,9 @@ use crate::section::Section;
 use crate::text::Text;
 use std::path::Path;
 use std::sync::Arc;
-use twin_gcode::rs274::{self, LengthUnit, Position, ToolTable, ToolTableError};
+use twin_gcode::rs274::{
+    self, LengthUnit, ParameterFile, ParameterFileError, Position, ToolTable, ToolTableError,
+};
 use twin_path::ExtraPosition;
 use twin_path::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
 
@@ -201,6 +203,20 @@ fn read_rs274(
         }
         table.ok()
     });
+    let parameters = section.text("parameter_file").and_then(|name| {
+        let path = file.parent().unwrap_or_else(|| Path::new("")).join(name);
+        let read = Text::open(&path)
+            .map_err(ParameterFileError::Io)
+            .and_then(|text| ParameterFile::read(text));
+        if let Err(error) = &read {
+            let reason = match error {
+                ParameterFileError::Io(source) => source.to_string(),
+                error => error.to_string(),
+            };
+            section.complain_at("parameter_file", format!("{}: {reason}", path.display()));
+        }
+        read.ok()
+    });
     let tool = section.integer("tool", 0..=99_999).unwrap_or(0);
     let settle = section.number("probe_settle_s", 0.0..=60.0);
     let settle = settle.unwrap_or(if has_drives { PROBE_SETTLE_S } else { 0.0 });
@@ -215,6 +231,7 @@ fn read_rs274(
         g28: place(section, "g28_mm"),
         g30: place(section, "g30_mm"),
         tools,
+        parameters: parameters.unwrap_or_default(),
         tool: u32::try_from(tool).unwrap_or(0),
         probe_settle_ns,
         ..defaults.clone()

@@ -435,7 +435,7 @@ mod tests {
         ] {
             let found = value(text);
             if text == "##31" {
-                assert!(found.unwrap_err().contains("parameter 0"), "{text}");
+                assert!(found.unwrap_err().contains("parameter 0 does not"), "{text}");
                 continue;
             }
             let found = found.unwrap_or_else(|error| panic!("{text}: {error}"));

@@ -50,7 +50,7 @@
 //! - F must be programmed before the first feed move; LinuxCNC's previews begin with a feed of their own.
 //! - A file that ends without M2, M30 or second % gives a warning, and a % at the end is accepted without one at the
 //!   beginning. LinuxCNC refuses both after having run all of the program.
-//! - Lines may be longer than 255 characters.
+//! - Lines may be longer than 255 characters. K0 (J0, I0) along the normal of an arc's plane has no effect.
 //! - `continue` and `break` of a loop act as documented. In LinuxCNC a `break` of a `while` loop also ends the next `do`
 //!   loop after one pass, and a `break` between `continue` and the end of its `do` loop counts although it is passed over.
 //! - A block in inverse time (G93) takes the time that F says, and F0 is an error. LinuxCNC's interpreter goes at 0.1

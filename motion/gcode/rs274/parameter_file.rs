@@ -27,7 +27,7 @@ pub enum ParameterFileError {
     #[error("line {0}: write the number of a parameter and its value, such as `5221 12.5`")]
     Line(u32),
     /// A number that no parameter has.
-    #[error("line {line}: there is no parameter {number}: the numbers are from 1 to {LAST}")]
+    #[error("line {line}: parameter {number} does not exist: the numbers are 1 to {LAST}")]
     Number {
         /// Line of the file, counted from 1.
         line: u32,

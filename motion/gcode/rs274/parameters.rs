@@ -28,7 +28,7 @@ pub(super) const LOCAL: usize = 30;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ParameterError {
     /// A number that no parameter has.
-    #[error("there is no parameter {}: parameters have whole numbers from 1 to {LAST}", Short(*.0))]
+    #[error("parameter {} does not exist: the numbers are whole, 1 to {LAST}", Short(*.0))]
     Number(f64),
     /// A named parameter without value.
     #[error(

@@ -183,7 +183,7 @@ impl State {
     /// The centre that I, J and K say, m.
     fn center(&self, block: &Block, axes: [Axis; 3]) -> Result<Point3<f64>, Problem> {
         let [first, second, normal] = axes;
-        if block.get(normal.center).is_some() {
+        if block.get(normal.center).is_some_and(|word| word != 0.0) {
             let error = DecodeError::CenterOutsidePlane(normal.center.as_char());
             return Err(Problem { columns: block.columns(normal.center), error });
         }

@@ -243,10 +243,10 @@ fn parameter_file() {
     assert_eq!(message("5221 x"), line(1));
     assert_eq!(message("5221 inf"), line(1));
     assert_eq!(message("5221 1 2"), line(1));
-    assert_eq!(message("0 1"), "line 1: there is no parameter 0: the numbers are from 1 to 5602");
+    assert_eq!(message("0 1"), "line 1: parameter 0 does not exist: the numbers are 1 to 5602");
     assert_eq!(
         message("70000 1"),
-        "line 1: there is no parameter 70000: the numbers are from 1 to 5602"
+        "line 1: parameter 70000 does not exist: the numbers are 1 to 5602"
     );
     assert_eq!(
         message("5222 1\n5221 2"),

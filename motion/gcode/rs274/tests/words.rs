@@ -5,6 +5,18 @@ use crate::rs274::{MAX_CYCLE_MOVES, PathMode};
 use ElementKind::{Cut, Dwell, Rapid};
 use std::f64::consts::PI;
 
+/// As harmless as I0: the centre is in the plane.
+#[test]
+fn center_words_of_zero_along_the_normal() {
+    for (with, without) in [
+        ("G2 X10 I5 K0 F100", "G2 X10 I5 F100"),
+        ("G18 G3 X10 I5 J0 F100", "G18 G3 X10 I5 F100"),
+        ("G19 G2 Y10 J5 I0 F100", "G19 G2 Y10 J5 F100"),
+    ] {
+        assert_eq!(elements(&format!("{with}\nM2")), elements(&format!("{without}\nM2")), "{with}");
+    }
+}
+
 #[test]
 fn ways_to_write_a_line() {
     let expected = ends_mm(&elements("G0 X1.5 Y-2 Z0.25\nM2"));
