@@ -38,6 +38,7 @@ mod point;
 pub mod prepare;
 mod probing;
 mod shape;
+mod spline;
 #[cfg(test)]
 mod tests;
 mod units;
@@ -59,6 +60,7 @@ pub use plane::Plane;
 pub use point::PathPoint;
 pub use probing::{ProbeOutcome, ProbeTrip, Probing};
 pub use shape::Shape;
+pub use spline::{BSpline, Span};
 
 use nalgebra::{Point3, Vector3};
 

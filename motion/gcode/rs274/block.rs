@@ -150,6 +150,8 @@ pub(super) struct Block {
     values: [f64; 28],
     columns: [(u32, u32); 28],
     m_count: u8,
+    /// Bytes of the last G or M word.
+    code: Option<Range<usize>>,
 }
 
 /// The largest number of M words in a line.
@@ -172,6 +174,7 @@ impl Block {
         self.message = None;
         self.present = Letters::default();
         self.m_count = 0;
+        self.code = None;
     }
 
     /// True if nothing is in it.
@@ -217,12 +220,14 @@ impl Block {
         Some(usize::try_from(start).ok()?..usize::try_from(end).ok()?)
     }
 
-    /// The bytes of the last word with a number of its own.
+    /// The bytes of the last word with a number of its own; of the last G or M word if there is none.
     pub(super) fn last_columns(&self) -> Option<Range<usize>> {
         let present = self.columns.iter().enumerate().filter(|(index, _)| {
             u8::try_from(*index).is_ok_and(|index| self.present.contains(Letter(index)))
         });
-        let (_, (start, end)) = present.max_by_key(|(_, (_, end))| *end)?;
+        let Some((_, (start, end))) = present.max_by_key(|(_, (_, end))| *end) else {
+            return self.code.clone();
+        };
         Some(usize::try_from(*start).ok()?..usize::try_from(*end).ok()?)
     }
 
@@ -247,6 +252,9 @@ impl Block {
         columns: Range<usize>,
         problems: &mut Vec<Problem>,
     ) {
+        if matches!(upper, b'G' | b'M') {
+            self.code = Some(columns.clone());
+        }
         let result = match upper {
             b'G' => self.add_g(value),
             b'M' => self.add_m(value),

@@ -160,6 +160,51 @@ pub enum DecodeError {
     /// M72 with other words.
     #[error("M72 needs a block of its own: LinuxCNC leaves out the words next to it")]
     WordsWithRestore,
+    /// One of two words of a spline that belong together.
+    #[error("G{number} needs both {first} and {second}")]
+    IncompleteSpline {
+        /// Number behind G.
+        number: f64,
+        /// Letter of the one.
+        first: char,
+        /// Letter of the other.
+        second: char,
+    },
+    /// G5 or G5.1 with G18 or G19.
+    #[error("G5 and G5.1 make curves in X and Y: select their plane with G17 first")]
+    SplineOutsideXy,
+    /// A control point without P.
+    #[error("each control point of G5.2 needs its weight P")]
+    MissingWeight,
+    /// P alone within a NURBS.
+    #[error(
+        "P without X and Y is the weight of the first control point: write it in the block that begins the curve"
+    )]
+    WeightOfStart,
+    /// G5.3 without G5.2.
+    #[error("G5.3 ends no curve: begin one with G5.2")]
+    NurbsNotBegun,
+    /// Another motion, or the end of the program, behind G5.2.
+    #[error(
+        "the curve of G5.2 must end with G5.3, in a block without another motion, before anything else moves"
+    )]
+    NurbsNotEnded,
+    /// Something has moved the tool between G5.2 and G5.3.
+    #[error("the tool has left the start of its curve: nothing may move it between G5.2 and G5.3")]
+    NurbsLeft,
+    /// Less control points than the order.
+    #[error(
+        "a curve of order {order} (L) needs at least {order} control points, its start included: it has {count}"
+    )]
+    FewControlPoints {
+        /// Order.
+        order: usize,
+        /// Number of control points.
+        count: usize,
+    },
+    /// Too many control points.
+    #[error("a curve of G5.2 has at most {0} control points: divide it")]
+    ManyControlPoints(usize),
     /// G53 without G0 or G1.
     #[error("G53 needs G0 or G1")]
     MachineFrameWithoutLine,

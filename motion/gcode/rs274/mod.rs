@@ -8,16 +8,16 @@
 //! X10.5 Y-3                           G1 goes on
 //! ```
 //!
-//! Within a line the order of words does not matter; they act in LinuxCNC's order: feed mode, F, speed mode, S, T, M6 or
-//! M61, M3 to M5 and M19, M7 to M9, G4, plane, units, diameters, G40, tool length, coordinate system, path mode, distance
-//! modes, retract mode, G10, G28, G30, G52 and G92, G92.1 to G92.3, motion, stop. Hence F in a line with G20 or G21 is in
-//! the units of the line before.
+//! Within a line the order of words does not matter; they act in LinuxCNC's order: feed mode, F, speed mode, S, T, M62
+//! to M68, M6 or M61, M3 to M5 and M19, M70 to M73, M7 to M9, M48 to M53, M100 to M199, G4, plane, units, diameters,
+//! G40, tool length, coordinate system, path mode, distance modes, retract mode, G10, G28, G30, G52 and G92, G92.1 to
+//! G92.3, motion, stop. Hence F in a line with G20 or G21 is in the units of the line before.
 //!
-//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G7, G8, G10 (L0, L1, L2, L10, L11, L20), G20, G21, G28,
-//! G28.1, G30, G30.1, G33, G33.1, G38.2 to G38.5, G40 to G42.1, G43 to G43.2, G49, G52 to G59.3, G61, G64, G73, G74, G76,
-//! G80 to G89, G90, G91, G90.1, G91.1, G92 to G92.3, G93 to G99, M0 to M9, M19, M30, M60, M61, M98, M99, F, S, T, D, H, N,
-//! A B C for rotary axes (as the extra axes P Q U, in degrees).
-//! Every other word is an error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
+//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4 to G5.3, G7, G8, G10 (L0, L1, L2, L10, L11, L20), G20,
+//! G21, G28, G28.1, G30, G30.1, G33, G33.1, G38.2 to G38.5, G40 to G42.1, G43 to G43.2, G49, G52 to G59.3, G61, G61.1,
+//! G64, G73, G74, G76, G80 to G89, G90, G91, G90.1, G91.1, G92 to G92.3, G93 to G99, M0 to M9, M19, M30, M48 to M53,
+//! M60 to M68, M70 to M73, M98 to M199, F, S, T, D, E, H, N, A B C for rotary axes (as the extra axes P Q U, in
+//! degrees). Every other word is an error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
 //! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
 //!
 //! Values are numbers, parameters (`#1`, `#<name>`), functions and expressions in brackets; see `expression.rs` and
@@ -38,6 +38,10 @@
 //! spindle is at that speed; the angle of the spindle is not part of the path. With G96 the speed follows from the
 //! radius X: a cut has the lower speed of its two ends, M3 and M4 have that of the place. Canned cycles and G33.1 stop
 //! and turn the spindle with M3, M4, M5 and M19.
+//!
+//! M62 to M68 and M100 to M199 are such elements as well, with their words as parameters (`input_output.rs`): the path
+//! stops there, also at M62, M63 and M67, which LinuxCNC carries out in motion. M70 to M73 save and restore modes, and
+//! M48 to M53 set switches that only parameters show (`modes.rs`). Splines (G5 to G5.3) are cubics; see `spline.rs`.
 //!
 //! Probing moves (G38.2 to G38.5, [`ElementKind::Probe`](twin_path::ElementKind::Probe)) end where the probe trips,
 //! as computed from the [`Surroundings`]; the program goes on from there. A probe that does not trip where it must
@@ -74,6 +78,15 @@
 //!   name.
 //! - Arcs in G18 and G19 in a rotated coordinate system (G10 L2 R), and the axes U, V and W, are errors.
 //! - P of G10 and Q of M61 must be whole numbers; LinuxCNC rounds some of them.
+//! - M72 and M73 restore F and S as they were. LinuxCNC rounds them to one decimal and to none. M72 must be the only
+//!   word of its block: LinuxCNC drops motions next to it.
+//! - M62 to M68 take whole numbers of outputs and inputs, which LinuxCNC rounds, and M67 and M68 need Q. M100 to M199
+//!   need no file.
+//! - A NURBS needs weights above 0 also in its first block, takes no Z A B C, and must end with G5.3 before another motion
+//!   and before the end of the program; LinuxCNC leaves out such words and curves. Its control points stay where they are
+//!   when units or offsets change before G5.3.
+//! - A curve in inverse time (G93) takes the time that F says in its block, that of G5.3 for a NURBS. LinuxCNC keeps the
+//!   feed before.
 //! - A block with an error changes only the modal state. LinuxCNC stops there; here the rest is read as well, so that
 //!   all errors are found.
 
@@ -104,6 +117,7 @@ mod refeed;
 mod settings;
 mod source;
 mod spindle;
+mod spline;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -124,4 +138,5 @@ pub use parameters::ParameterError;
 pub use probe::{ProbePath, ProbeTarget, Surroundings};
 pub use refeed::refeed;
 pub use settings::OffsetError;
+pub use spline::{MAX_CONTROL_POINTS, TOLERANCE as SPLINE_TOLERANCE};
 pub use tool_table::{Tool, ToolTable, ToolTableError};

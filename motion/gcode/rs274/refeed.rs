@@ -41,10 +41,14 @@ pub fn refeed(
         limits: Limits::new(limits.into_iter()),
         programmed: None,
         written: None,
+        saved: None,
         doubtful: false,
     };
     rewrite(reader, interpreter, out)
 }
+
+/// The last F that counts, and its units, and the feed in force in the program as it is written.
+type Feeds = (Option<(f64, LengthUnit)>, Option<Feed>);
 
 struct Running<I: Iterator> {
     decoder: Decoder<Cursor<Vec<u8>>>,
@@ -53,6 +57,8 @@ struct Running<I: Iterator> {
     programmed: Option<(f64, LengthUnit)>,
     /// In force in the program as it is written.
     written: Option<Feed>,
+    /// Both as M70 or M73 have saved them.
+    saved: Option<Feeds>,
     /// A block that the machine may leave out has changed it.
     doubtful: bool,
 }
@@ -143,6 +149,17 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
                 (self.programmed, self.written) = (None, None);
             }
             None => {}
+        }
+        match decoder.block.m.modes {
+            Some(70 | 73) => self.saved = Some((self.programmed, self.written)),
+            Some(71) => self.saved = None,
+            Some(_) if decoder.block.is_single_m() => {
+                // Back comes the feed that was written, whatever was programmed.
+                (self.programmed, self.written) =
+                    self.saved.unwrap_or((self.programmed, self.written));
+                self.doubtful |= is_suppressed(line);
+            }
+            _ => {}
         }
         Ok(moves)
     }

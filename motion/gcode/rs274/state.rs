@@ -12,8 +12,9 @@ use super::output::Output;
 use super::parameters::Parameters;
 use super::probe::ProbeTarget;
 use super::spindle::SurfaceSpeed;
+use super::spline::Nurbs;
 use super::tool_table::ToolTable;
-use super::word::{Compensate, FeedMode, Motion, OneShot, PathControl, ToolLength};
+use super::word::{Compensate, FeedMode, Motion, OneShot, PathControl, Spline, ToolLength};
 use twin_path::{ElementKind, MParameters, Plane};
 
 /// Limits of numbers, in their own units.
@@ -75,6 +76,10 @@ pub(super) struct State {
     pub(super) feed_word: f64,
     pub(super) feed_reported: bool,
     pub(super) series: Series,
+    /// I and J of a G5 that has none, in units of the program: P and Q of the last G5, turned around.
+    pub(super) spline_start: [f64; 2],
+    /// The curve of G5.2.
+    pub(super) nurbs: Option<Nurbs>,
     /// S: revolutions per minute, or m/min or feet/min with G96.
     pub(super) speed: Option<f64>,
     /// G96.
@@ -126,6 +131,8 @@ impl State {
             feed_word: 0.0,
             feed_reported: false,
             series: Series::default(),
+            spline_start: [0.0; 2],
+            nurbs: None,
             speed: None,
             surface_speed: None,
             spindle: None,
@@ -187,6 +194,7 @@ impl State {
         self.set_path_mode(block);
         match block.g.one_shot {
             Some(OneShot::GoHome(home)) => self.go_home(self.offsets.home(home), block, out)?,
+            Some(OneShot::EndNurbs) => self.end_nurbs(block, out)?,
             Some(OneShot::Dwell | OneShot::MachineFrame) | None => {}
             Some(shot) => self.set_offsets(shot, block, out)?,
         }
@@ -207,6 +215,7 @@ impl State {
             match motion {
                 Motion::Rapid | Motion::Line => self.go_straight(motion, block, out)?,
                 Motion::Arc { clockwise } => self.go_round(clockwise, block, out)?,
+                Motion::Spline(spline) => self.follow_spline(spline, block, out)?,
                 Motion::Probe(probing) => self.probe(probing, block, out)?,
                 Motion::Thread(thread) => self.cut_thread(thread, block, out)?,
                 Motion::Cycle(cycle) => self.run_cycle(cycle, block, out)?,
@@ -217,6 +226,7 @@ impl State {
             self.settle_compensation(out)?;
         }
         match block.m.stop {
+            Some(2 | 30) if self.nurbs.is_some() => return Err(DecodeError::NurbsNotEnded.into()),
             Some(2 | 30) => return Ok(false),
             Some(number) => self.m_function(number, None, out),
             None => {}
@@ -228,6 +238,15 @@ impl State {
     fn motion_of(&self, block: &Block) -> Result<Option<Motion>, DecodeError> {
         let axes = block.letters().meets(Letters::AXES);
         let active = block.g.motion.filter(|motion| *motion != Motion::Off);
+        let ends_nurbs = block.g.one_shot == Some(OneShot::EndNurbs);
+        match block.g.motion {
+            Some(Motion::Spline(Spline::Nurbs)) => {}
+            Some(_) if ends_nurbs || self.nurbs.is_some() => {
+                return Err(DecodeError::NurbsNotEnded);
+            }
+            None if ends_nurbs => return Ok(None),
+            _ => {}
+        }
         let other = match block.g.one_shot {
             Some(OneShot::SetData) => Some((10.0, false)),
             Some(OneShot::GoHome(Home::First)) => Some((28.0, false)),
@@ -244,6 +263,9 @@ impl State {
             };
         }
         match (block.g.motion, axes) {
+            (Some(motion @ Motion::Spline(spline)), false) if spline != Spline::Nurbs => {
+                Err(DecodeError::MissingAxes(motion.number()))
+            }
             (Some(motion @ (Motion::Cycle(_) | Motion::Thread(_) | Motion::Probe(_))), false) => {
                 Err(DecodeError::MissingAxes(motion.number()))
             }
@@ -266,6 +288,12 @@ impl State {
         match motion {
             Some(Motion::Arc { .. }) => {
                 used = used.with(Letters::CENTER).with(Letters::of(&[Letter::P, Letter::R]));
+            }
+            Some(Motion::Spline(spline)) => {
+                used = used.without(Letters::AXES).with(spline.words());
+            }
+            None if block.g.one_shot == Some(OneShot::EndNurbs) => {
+                used = used.without(Letters::AXES);
             }
             Some(Motion::Cycle(cycle)) => {
                 used = used.without(Letters::ROTARY).with(cycle.words());
@@ -417,6 +445,12 @@ impl State {
     }
 
     fn set_motion(&mut self, motion: Motion) {
+        match motion {
+            // For their block only.
+            Motion::Spline(Spline::Cubic | Spline::Quadratic) => return,
+            Motion::Spline(Spline::Nurbs) => {}
+            _ => self.nurbs = None,
+        }
         self.motion = motion;
         if !matches!(motion, Motion::Cycle(_)) {
             (self.series.cycle, self.series.initial) = (None, None);

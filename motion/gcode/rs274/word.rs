@@ -16,6 +16,8 @@ pub(super) enum Motion {
         /// G2.
         clockwise: bool,
     },
+    /// G5 to G5.2.
+    Spline(Spline),
     /// G38.2 to G38.5.
     Probe(Probing),
     /// G33, G33.1 and G76.
@@ -24,6 +26,17 @@ pub(super) enum Motion {
     Cycle(Cycle),
     /// G80: nothing, axis words are errors.
     Off,
+}
+
+/// A kind of spline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Spline {
+    /// G5.
+    Cubic,
+    /// G5.1.
+    Quadratic,
+    /// G5.2: a control point of a NURBS.
+    Nurbs,
 }
 
 /// A canned cycle: the number after G.
@@ -61,6 +74,7 @@ impl Motion {
             Self::Line => 1.0,
             Self::Arc { clockwise: true } => 2.0,
             Self::Arc { clockwise: false } => 3.0,
+            Self::Spline(spline) => spline.number(),
             Self::Probe(probing) => probing.g_number(),
             Self::Thread(Thread::Straight) => 33.0,
             Self::Thread(Thread::RigidTap) => 33.1,
@@ -71,11 +85,24 @@ impl Motion {
     }
 }
 
+impl Spline {
+    /// The number after G.
+    pub(super) fn number(self) -> f64 {
+        match self {
+            Self::Cubic => 5.0,
+            Self::Quadratic => 5.1,
+            Self::Nurbs => 5.2,
+        }
+    }
+}
+
 /// Group 0: what holds for one line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum OneShot {
     /// G4.
     Dwell,
+    /// G5.3.
+    EndNurbs,
     /// G10.
     SetData,
     /// G28 and G30.
@@ -201,12 +228,16 @@ type GWord = (u16, Group, fn(&mut GWords));
 
 /// The G words, in the order of their numbers.
 #[rustfmt::skip]
-const G_WORDS: [GWord; 74] = [
+const G_WORDS: [GWord; 78] = [
     (  0, Group::Motion,       |g| g.motion = Some(Motion::Rapid)),
     ( 10, Group::Motion,       |g| g.motion = Some(Motion::Line)),
     ( 20, Group::Motion,       |g| g.motion = Some(Motion::Arc { clockwise: true })),
     ( 30, Group::Motion,       |g| g.motion = Some(Motion::Arc { clockwise: false })),
     ( 40, Group::NonModal,     |g| g.one_shot = Some(OneShot::Dwell)),
+    ( 50, Group::Motion,       |g| g.motion = Some(Motion::Spline(Spline::Cubic))),
+    ( 51, Group::Motion,       |g| g.motion = Some(Motion::Spline(Spline::Quadratic))),
+    ( 52, Group::Motion,       |g| g.motion = Some(Motion::Spline(Spline::Nurbs))),
+    ( 53, Group::NonModal,     |g| g.one_shot = Some(OneShot::EndNurbs)),
     ( 70, Group::Diameter,     |g| g.diameters = Some(true)),
     ( 80, Group::Diameter,     |g| g.diameters = Some(false)),
     (100, Group::NonModal,     |g| g.one_shot = Some(OneShot::SetData)),

@@ -3,6 +3,7 @@
 mod curves;
 mod derivatives;
 mod operations;
+mod splines;
 
 use super::{
     Arc, AxisMask, Cubic, Details, ElementKind, Ellipse, ExtraAxes, PathElement, Place, Shape,

@@ -118,6 +118,7 @@ impl State {
             Some(OneShot::LocalOffset) => Some("G52"),
             Some(OneShot::MachineFrame) if cutter.radius > 0.0 => Some("G53"),
             Some(OneShot::SetPosition) => Some("G92"),
+            Some(OneShot::EndNurbs) => Some("G5.3"),
             _ => None,
         };
         let word = word
@@ -127,6 +128,7 @@ impl State {
             .or(words.initial_level.map(|_| "another retract mode (G98, G99)"))
             .or(match motion {
                 Some(Motion::Probe(_)) => Some("a probing move (G38.2 to G38.5)"),
+                Some(Motion::Spline(_)) => Some("a spline (G5 to G5.2)"),
                 Some(Motion::Cycle(_)) => Some("a canned cycle"),
                 Some(Motion::Thread(_)) => Some("a thread (G33, G33.1, G76)"),
                 _ => None,

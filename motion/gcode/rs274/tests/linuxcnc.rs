@@ -11,16 +11,16 @@ use super::moves::{Move, decode_as_linuxcnc, difference};
 use std::{fmt::Debug, str::FromStr, str::Split};
 
 #[derive(Debug, Default)]
-struct Case {
-    name: String,
-    program: String,
-    moves: Vec<Move>,
-    error: Option<String>,
+pub(super) struct Case {
+    pub(super) name: String,
+    pub(super) program: String,
+    pub(super) moves: Vec<Move>,
+    pub(super) error: Option<String>,
 }
 
-fn cases() -> Vec<Case> {
+pub(super) fn cases(text: &str) -> Vec<Case> {
     let mut cases: Vec<Case> = Vec::new();
-    for line in include_str!("linuxcnc.txt").lines() {
+    for line in text.lines() {
         if let Some(name) = line.strip_prefix("== ") {
             cases.push(Case { name: name.to_owned(), ..Case::default() });
             continue;
@@ -66,7 +66,7 @@ fn parse(line: &str) -> Move {
 
 #[test]
 fn programs_are_as_linuxcnc_reads_them() {
-    let cases = cases();
+    let cases = cases(include_str!("linuxcnc.txt"));
     let mut wrong = Vec::new();
     for Case { name, program, moves, error } in &cases {
         let decoded = decode_as_linuxcnc(program.as_bytes());

@@ -17,6 +17,7 @@ mod probe;
 mod random;
 mod refeed;
 mod settings;
+mod splines;
 mod tools;
 mod unsupported;
 mod words;

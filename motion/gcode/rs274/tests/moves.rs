@@ -71,7 +71,7 @@ pub(super) fn difference(decoded: &Decoded, expected: &[Move]) -> Result<usize, 
 }
 
 /// `element` as a move; M functions are none.
-fn as_move(element: &PathElement) -> Option<Move> {
+pub(super) fn as_move(element: &PathElement) -> Option<Move> {
     let points = (element.end().coords * 1e3).as_slice().to_vec();
     let mut result = Move { line: element.place.line, points, ..Move::default() };
     if let Some(extra) = element.extra() {
@@ -112,7 +112,7 @@ pub(super) const LOWEST_INVERSE_TIME: [Option<f64>; 2] = [Some(0.1), Some(2.54)]
 impl Move {
     /// Difference of `self` from LinuxCNC's `expected`: end points and centres by more than 1e-4 mm, anything else by
     /// more than LinuxCNC's last printed digit. `None` if it does not.
-    fn difference(&self, expected: &Self) -> Option<String> {
+    pub(super) fn difference(&self, expected: &Self) -> Option<String> {
         fn close(ours: &[f64], expected: &[f64], tolerance: f64) -> bool {
             let mut pairs = ours.iter().zip(expected);
             ours.len() == expected.len() && pairs.all(|(a, b)| (a - b).abs() <= tolerance)

@@ -24,11 +24,12 @@ pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
     let scrap = prop_oneof![
         4 => "[NGXYZABCIJKRFMTSHPQLOUEDngxyzijkrf$/%();\\[\\]#= \t.,+-]{0,3}",
         6 => "[NGXYZABCIJKRFMTSHPQLO]-?[0-9]{0,4}\\.?[0-9]{0,3} ?",
-        3 => "G(0|1|2|3|4|17|18|19|2[018]|30|38\\.[2-5]|4[0-39]|4[12]\\.1|5[3-9]|59\\.[123]|61|64|7|8|33|33\\.1|7[346]|8[0-9]|9[0-7]|9[01]\\.1|92\\.[123]|98|99) ",
+        3 => "G(0|1|2|3|4|5|5\\.[123]|17|18|19|2[018]|30|38\\.[2-5]|4[0-39]|4[12]\\.1|5[3-9]|59\\.[123]|61|61\\.1|64|7|8|33|33\\.1|7[346]|8[0-9]|9[0-7]|9[01]\\.1|92\\.[123]|98|99) ",
         1 => "G(81|82|83) X1 Z-[0-9]{1,9} R[0-9] Q\\.?[0-9] P[0-9] L[0-9]{1,6} ",
         2 => "(M3 S90 G8[4-8]|M4 S.5 G74|M3 S9 G7 G76|S[0-9] G33(.1)?) Z-[0-9]{1,6} [PQ][0-9] I-?[0-9] J[0-9] K[0-9] R[0-9] H[0-9]{1,6} E[0-9] L[0-9] ",
         1 => "(G95 F.1|G96 D9?) S[0-9]{1,4} ",
-        1 => "M(0|1|2|[3-9]|19|30|60) ",
+        1 => "M(0|1|2|[3-9]|19|30|4[89]|5[0-3]|6[0-8]|7[0-3]|1[0-9]{2}) ",
+        1 => "G5\\.2 P[0-9] L[0-9]\nX[0-9] Y1 P\\.[0-9]\nX-9 Y[0-9] P[1-9]{1,3}\nG5\\.3 ",
         3 => "\r?\n",
         1 => "\\PC{0,4}",
     ];
@@ -105,6 +106,13 @@ fn block() -> impl Strategy<Value = String> {
             let cycle = ["G81", "G82 P.1", "G83 Q.7", "G73 Q.9", "G85", "M3 G87 I1 J.1 K-1", "G89 P.1"][cycle];
             format!("G90 G17 G94 F100 {cycle} {words} Z-{depth} R{r} L{l}")
         }),
+        2 => (words("XY"), number(), number(), number(), any::<bool>()).prop_map(|(end, i, j, p, cubic)| {
+            let (word, last) = if cubic { ("G5", format!("P{p} Q-1")) } else { ("G5.1", String::new()) };
+            format!("G40 G0 Z1\nG17 {word} {end} I{i} J{j} {last}")
+        }),
+        1 => (number(), number(), 1..900, 1..6).prop_map(|(x, y, p, l)| format!(
+            "G40 G0 Z1\nG90 G5.2 L{l}\nX{x} Y{y} P.{p}\nX{y} Y5 P{p}\nX{y} Y{x} P1\nX9 Y9 P2\nG5.3"
+        )),
         1 => (words("XYZ"), 0..3_usize).prop_map(|(words, g)| {
             let word = ["G28", "G30", "G92"][g];
             format!("G80 {word} {words}")
@@ -115,7 +123,7 @@ fn block() -> impl Strategy<Value = String> {
             "G54", "G55", "G59.3", "G49", "G40", "G41", "G42 D9", "G41.1 D2", "G61", "G64 P.1", "G92.1", "G92.2", "G92.3", "G98",
             "G10 L2 P0 X1 R30", "G10 L20 P2 Y5", "G10 L2 P0 R0", "G10 L1 P3 Z7", "G10 L11 P3 X1 Y2",
             "G28.1", "G30.1", "G43.1 Z5 A3", "G43.2 H3", "M61 Q2", "G80 G52 X3", "#5221=2 #5250=9",
-            "G99", "G4 P.25", "M3 S100", "M6 T3", "M8", "M0", "(text)", "; text", "", "F7.5",
+            "G99", "G4 P.25", "M3 S100", "M6 T3", "M8", "M0", "M70", "M72", "M73", "M62 P1", "M66 P1", "M101", "G61.1", "(text)", "; text", "", "F7.5",
         ]).prop_map(str::to_owned),
     ]
 }
@@ -209,6 +217,7 @@ proptest! {
                     | DecodeError::MissingWord { .. }
                     | DecodeError::AxesWithoutMotion
                     | DecodeError::MissingFeed
+                    | DecodeError::NoSavedModes
                     | DecodeError::ProbeNowhere(_)
                     | DecodeError::Compensated(_)
                     | DecodeError::CompensationTwice(_)
