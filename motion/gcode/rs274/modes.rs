@@ -1,8 +1,8 @@
 //! Saved modal state (M70 to M73), override switches (M48 to M53), and the words that restore them.
 //!
 //! Each subroutine, and the program itself, has one place for a saved state. Saved are units, feed mode and F, S, plane,
-//! distance modes, coordinate system, tool length offset, path control, retract mode, spindle, coolant and overrides;
-//! motion, tool and positions are not.
+//! distance modes, coordinate system, tool length offset, cutter radius compensation, whether G92 applies, path control,
+//! retract mode, spindle, coolant and overrides; motion, tool, positions and offsets are not.
 
 use super::block::{Block, Letter};
 use super::error::{DecodeError, Problem};
@@ -10,7 +10,7 @@ use super::options::PathMode;
 use super::output::Output;
 use super::spindle::SurfaceSpeed;
 use super::state::{Feed, State};
-use super::word::{GWords, MWords, ToolLength};
+use super::word::{Compensate, GWords, MWords, OneShot, ToolLength};
 
 /// Switches of the machine that the program may turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +63,8 @@ impl State {
             words: GWords {
                 plane: Some(self.plane),
                 units: Some(self.units),
+                compensation: Some(self.compensation_word()),
+                g92_switch: Some(self.g92_word()),
                 tool_length: Some(self.tool_length()),
                 system: Some(self.offsets.system()),
                 relative: Some(self.relative),
@@ -83,6 +85,17 @@ impl State {
         }
     }
 
+    /// G40, or G41 or G42 with the tool in the spindle.
+    fn compensation_word(&self) -> Compensate {
+        let left = self.compensation_number() < 420.0;
+        if self.compensation_is_on() { Compensate::Tool { left } } else { Compensate::Off }
+    }
+
+    fn g92_word(&self) -> OneShot {
+        let applies = self.offsets.parameter(5210).is_some_and(|applies| applies > 0.0);
+        if applies { OneShot::RestoreOffset } else { OneShot::SuspendOffset }
+    }
+
     fn tool_length(&self) -> ToolLength {
         if self.offsets.has_tool_length() { ToolLength::Table } else { ToolLength::Off }
     }
@@ -96,6 +109,8 @@ impl State {
         let g = GWords {
             plane: changed(to.plane, now.plane),
             units: changed(to.units, now.units),
+            compensation: changed(to.compensation, now.compensation),
+            g92_switch: changed(to.g92_switch, now.g92_switch),
             tool_length: changed(to.tool_length, now.tool_length),
             system: changed(to.system, now.system),
             relative: changed(to.relative, now.relative),

@@ -97,6 +97,8 @@ impl State {
         let refused = |word| Err(DecodeError::Compensated(word).into());
         match block.g.plane {
             Some(plane) if plane != self.plane => refused("another plane (G17 to G19)"),
+            _ if block.m.input_output.is_some() => refused("an input or output (M62 to M68)"),
+            _ if block.m.overrides.is_some() => refused("an override switch (M48 to M53)"),
             _ if block.m.tool_change == Some(6) => refused("M6"),
             _ => Ok(()),
         }
