@@ -337,11 +337,11 @@ impl ProgramFile {
     pub(crate) fn rs274_options(&self, conditions: &ProgramConditions) -> rs274::DecoderOptions {
         let ReadSettings { skip_suppressed, tools, jumps, depth, subroutines, .. } =
             self.settings.clone();
-        let beside = self.path.parent().map(Path::to_path_buf);
+        let own = self.path.parent().map(Path::to_path_buf);
         let mut options = rs274::DecoderOptions {
             skip_suppressed_blocks: skip_suppressed,
             flow_limits: rs274::FlowLimits { jumps: jumps.into(), depth },
-            subroutine_folders: beside.into_iter().chain(subroutines).collect(),
+            subroutine_folders: own.into_iter().chain(subroutines).collect(),
             ..conditions.rs274.clone()
         };
         options.tools = tools.or(options.tools);

@@ -100,11 +100,11 @@ impl State {
             None if spline == Spline::Cubic => self.spline_start,
             None => return Err(incomplete(spline, [Letter::I, Letter::J])),
         };
-        let mut points = vec![Point3::from(from.machine.linear), self.beside(&from, start)?];
+        let mut points = vec![Point3::from(from.machine.linear), self.offset_from(&from, start)?];
         if spline == Spline::Cubic {
             let letters = [Letter::P, Letter::Q];
             let [p, q] = pair(spline, block, letters)?.ok_or(incomplete(spline, letters))?;
-            points.push(self.beside(to, [p, q])?);
+            points.push(self.offset_from(to, [p, q])?);
             self.spline_start = [-p, -q];
         }
         points.push(Point3::from(to.machine.linear));
@@ -112,7 +112,7 @@ impl State {
     }
 
     /// The point that is away from `at` by `offset` in X and Y, in units of the program.
-    fn beside(&self, at: &Location, [x, y]: [f64; 2]) -> Result<Point3<f64>, Problem> {
+    fn offset_from(&self, at: &Location, [x, y]: [f64; 2]) -> Result<Point3<f64>, Problem> {
         let [at_x, at_y, _] = at.program;
         let along = self.with(at, Axis::X, at_x + x)?;
         Ok(Point3::from(self.with(&along, Axis::Y, at_y + y)?.machine.linear))

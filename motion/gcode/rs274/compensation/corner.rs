@@ -104,7 +104,7 @@ pub(super) struct Circle {
     pub(super) side: f64,
 }
 
-/// Corner of two lines: `end` is the tool's centre beside the corner, at the end of the first, whose direction is
+/// Corner of two lines: `end` is the tool's centre next to the corner, at the end of the first, whose direction is
 /// `along`.
 pub(super) fn line_to_line(
     end: Vector2<f64>,

@@ -1,10 +1,10 @@
-//! Cutter radius compensation (G40, G41, G42, G41.1, G42.1): the tool's centre beside the programmed contour.
+//! Cutter radius compensation (G40, G41, G42, G41.1, G42.1): the tool's centre next to the programmed contour.
 //!
 //! ```text
 //! G41 D1        left of the contour by the radius of tool 1; G42 right; without D the tool in the spindle
-//! G1 X10 Y0     entry move: straight to the point beside the end of this move, or an arc (G2, G3)
+//! G1 X10 Y0     entry move: straight to the point next to the end of this move, or an arc (G2, G3)
 //! X50           contour; the end of each move is known when the next one is read
-//! G40           the last move ends beside its end
+//! G40           the last move ends next to its end
 //! G1 X60 Y-20   exit move: straight, from there to its programmed end
 //! ```
 //!
@@ -56,7 +56,7 @@ pub(super) struct Compensation {
     ignored: bool,
 }
 
-/// The tool beside the contour.
+/// The tool next to the contour.
 #[derive(Clone, Copy, Debug)]
 struct Cutter {
     frame: Frame,
@@ -219,7 +219,7 @@ impl State {
         }
     }
 
-    /// G40: the last move ends beside its end; the next one must be straight.
+    /// G40: the last move ends next to its end; the next one must be straight.
     fn end_compensation(&mut self, out: &mut Output) -> Result<(), Problem> {
         let result = self.settle_compensation(out);
         let cutter = self.compensation.cutter.take();

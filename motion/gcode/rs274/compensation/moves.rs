@@ -49,7 +49,7 @@ impl Programmed {
 }
 
 impl State {
-    /// G0 and G1 beside the contour.
+    /// G0 and G1 next to the contour.
     pub(in crate::rs274) fn compensate_line(
         &mut self,
         motion: Motion,
@@ -82,7 +82,7 @@ impl State {
         }
     }
 
-    /// G2 and G3 beside the contour.
+    /// G2 and G3 next to the contour.
     pub(in crate::rs274) fn compensate_arc(
         &mut self,
         shape: &Shape,
@@ -179,7 +179,7 @@ impl State {
         })
     }
 
-    /// The arc from the start to the point beside its end, tangent there to the programmed one.
+    /// The arc from the start to the point next to its end, tangent there to the programmed one.
     fn enter_arc(
         &mut self,
         cutter: Cutter,
@@ -256,8 +256,8 @@ impl State {
             }
             Corner::Outer => {
                 let result = self.end_waiting_at(center, out);
-                let beside = line.start + aside;
-                self.go_around(line, center, beside, out);
+                let target = line.start + aside;
+                self.go_around(line, center, target, out);
                 result
             }
             Corner::Tangent => {
@@ -341,12 +341,12 @@ impl State {
         })
     }
 
-    /// Goes around an outer corner to `beside`, in the height of the start: by an arc, of a rapid straight.
+    /// Goes around an outer corner to `target`, in the height of the start: by an arc, of a rapid straight.
     fn go_around(
         &mut self,
         line: &Programmed,
         center: Vector2<f64>,
-        beside: Vector2<f64>,
+        target: Vector2<f64>,
         out: &mut Output,
     ) {
         let curve = if line.kind == ElementKind::Rapid {
@@ -355,9 +355,9 @@ impl State {
             Curve::Arc { center: line.start, turns: -1.0, programmed: None }
         };
         self.start_at(center, out);
-        let around = Move { height: line.start_height, ..line.with(curve, beside) };
+        let around = Move { height: line.start_height, ..line.with(curve, target) };
         self.append(around, out);
-        self.start_at(beside, out);
+        self.start_at(target, out);
     }
 }
 
