@@ -205,9 +205,7 @@ fn read_rs274(
     });
     let parameters = section.text("parameter_file").and_then(|name| {
         let path = file.parent().unwrap_or_else(|| Path::new("")).join(name);
-        let read = Text::open(&path)
-            .map_err(ParameterFileError::Io)
-            .and_then(|text| ParameterFile::read(text));
+        let read = Text::open(&path).map_err(ParameterFileError::Io).and_then(ParameterFile::read);
         if let Err(error) = &read {
             let reason = match error {
                 ParameterFileError::Io(source) => source.to_string(),
