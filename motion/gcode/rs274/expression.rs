@@ -306,15 +306,10 @@ impl Lexer<'_> {
         match function {
             Function::Exists => {
                 self.expect('[')?;
-                let exists = match self.parameter() {
-                    Ok(parameter) => self.state.parameter(&parameter).is_ok(),
-                    Err(problem) => match problem.error {
-                        DecodeError::Parameter(ParameterError::Number(_)) => false,
-                        _ => return Err(problem),
-                    },
-                };
+                let parameter = self.any_parameter()?;
                 self.expect(']')?;
-                Ok(if exists { 1.0 } else { 0.0 })
+                let value = parameter.and_then(|parameter| self.state.parameter(&parameter));
+                Ok(if value.is_ok() { 1.0 } else { 0.0 })
             }
             Function::Atan => {
                 let over = self.expression()?;
@@ -337,12 +332,16 @@ impl Lexer<'_> {
     /// The parameter that begins here with `#`.
     pub(super) fn parameter(&mut self) -> Result<Target, Problem> {
         let start = self.at;
+        self.any_parameter()?.map_err(|error| self.since(start, error))
+    }
+
+    /// The same, or why no parameter has the number that is written.
+    fn any_parameter(&mut self) -> Result<Result<Target, ParameterError>, Problem> {
         self.expect('#')?;
         if self.peek() == Some(b'<') {
-            return Ok(Target::Named(self.name()?));
+            return Ok(Ok(Target::Named(self.name()?)));
         }
-        let value = self.value()?;
-        Target::numbered(value).map_err(|error| self.since(start, error))
+        Ok(Target::numbered(self.value()?))
     }
 
     /// The name in `< >` that begins here: lower case, without blanks.
@@ -431,6 +430,8 @@ mod tests {
             ("[1 - - 1]", 2.0),
             ("s q r t [16]", 4.0),
             ("#[30 + 1]", 0.0),
+            ("EXISTS[#99999]", 0.0),
+            ("EXISTS[#31]", 1.0),
             ("##31", 0.0),
         ] {
             let found = value(text);
@@ -448,6 +449,7 @@ mod tests {
             ("sqrt[-1]", "SQRT of -1 is undefined"),
             ("[-8 ** 0.5]", "whole powers"),
             ("exp[1000]", "too large"),
+            ("EXISTS[##99999]", "parameter 99999"),
             ("foo[1]", "not a function"),
             ("atan[1]", "'/' must follow"),
             (&"[".repeat(5_000), "nested"),

@@ -47,7 +47,7 @@ pub(super) struct State {
     pub(super) deceleration: f64,
     pub(super) keep_empty_moves: bool,
     pub(super) tools: Option<ToolTable>,
-    /// There is no tool table: every tool is there and has length zero unless G10 says otherwise.
+    /// Without a tool table every tool exists, with length zero unless G10 says otherwise.
     pub(super) assumes_tools: bool,
     /// Target of the probe, if it is known.
     pub(super) probe_target: Option<Box<dyn ProbeTarget>>,
