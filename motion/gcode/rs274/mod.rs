@@ -98,6 +98,7 @@
 mod arc;
 mod block;
 mod compensation;
+mod control;
 mod cycle;
 mod decoder;
 mod error;
@@ -126,6 +127,7 @@ mod tool_table;
 mod travel;
 mod word;
 
+pub use control::Control;
 pub use cycle::MAX_CYCLE_MOVES;
 pub use decoder::{Decoder, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item};

@@ -1,6 +1,6 @@
 //! Decoder options: units, positions, work offsets, tools, path mode.
 
-use super::{FlowLimits, ParameterFile, Surroundings, ToolTable};
+use super::{Control, FlowLimits, ParameterFile, Surroundings, ToolTable};
 use std::path::PathBuf;
 
 /// Units of length of a program or a file.
@@ -110,6 +110,10 @@ pub struct DecoderOptions {
     pub subroutine_folders: Vec<PathBuf>,
     /// Limits of loops and calls.
     pub flow_limits: FlowLimits,
+    /// The control that the program is meant for: what it refuses, leaves out or reads differently is a finding.
+    pub control: Option<Control>,
+    /// Refuses what LinuxCNC refuses, also where shops run it on other controls.
+    pub strict: bool,
     /// Moves that go nowhere are elements too, as in LinuxCNC's interpreter; else they are left out, as its planner
     /// does, but for probing moves, of which it says how they ended. The path stops at elements of length zero.
     pub keep_empty_moves: bool,
@@ -136,6 +140,8 @@ impl Default for DecoderOptions {
             skip_suppressed_blocks: false,
             subroutine_folders: Vec::new(),
             flow_limits: FlowLimits::default(),
+            control: None,
+            strict: false,
             keep_empty_moves: true,
         }
     }
