@@ -36,7 +36,7 @@ pub struct ProgramConditions {
     pub stops: bool,
     /// Further inputs of preparation.
     pub preparation: PreparationInputs,
-    /// Initial conditions of an RS274 program, in the work frame; its start is that above.
+    /// Initial conditions of an RS274 program, in the work frame but for G28 and G30; its start is that above.
     pub rs274: rs274::DecoderOptions,
     /// Limits of the axes for what an RS274 program leaves open; none without a machine.
     pub pace: Option<(Arc<AxisPace>, Along)>,

@@ -184,6 +184,7 @@ impl Machine {
 
     fn completed(self, text: &str) -> Self {
         let mut machine = Self { dimensions: dimensions(text), ..self };
+        machine.conditions.rs274.work_frame = *machine.frame.machine_from_work();
         machine.conditions.rs274.surroundings = around::surroundings(&machine);
         machine.conditions.pace = Some((Arc::new(AxisPace::of(&machine)), Along::Weakest));
         machine

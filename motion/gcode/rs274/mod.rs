@@ -126,6 +126,7 @@ mod thread;
 mod tool_table;
 mod travel;
 mod word;
+mod work_frame;
 
 pub use control::Control;
 pub use cycle::MAX_CYCLE_MOVES;

@@ -1,6 +1,7 @@
 //! Decoder options: units, positions, work offsets, tools, path mode.
 
 use super::{Control, FlowLimits, ParameterFile, Surroundings, ToolTable};
+use nalgebra::Isometry3;
 use std::path::PathBuf;
 
 /// Units of length of a program or a file.
@@ -73,7 +74,7 @@ pub enum PathMode {
 /// Options of a decoder: the values that LinuxCNC keeps in its parameter and machine files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DecoderOptions {
-    /// Position of the machine at the beginning.
+    /// Position of the machine at the beginning, work frame.
     pub start: Position,
     /// Units until the first G20 or G21.
     pub units: LengthUnit,
@@ -83,7 +84,10 @@ pub struct DecoderOptions {
     pub acceleration: f64,
     /// Deceleration along the path, m/s².
     pub deceleration: f64,
-    /// Origins of the coordinate systems G54 to G59.3 in the machine frame. The program begins in G54.
+    /// The frame of the path (X, Y, Z) in the machine frame, m: the work frame. Its identity, the default, makes both
+    /// the same. G53, G28 and G30 go to positions in the machine frame; all other positions are in the work frame.
+    pub work_frame: Isometry3<f64>,
+    /// Origins of the coordinate systems G54 to G59.3 in the work frame. The program begins in G54.
     pub work_offsets: [Position; 9],
     /// Target of G28, machine frame.
     pub g28: Position,
@@ -128,6 +132,7 @@ impl Default for DecoderOptions {
             rapid_velocity: 0.1,
             acceleration: 0.1,
             deceleration: 0.1,
+            work_frame: Isometry3::identity(),
             work_offsets: [Position::default(); 9],
             g28: Position::default(),
             g30: Position::default(),

@@ -78,14 +78,13 @@ impl State {
         Ok(block.with_coordinates(to_x, to_y))
     }
 
-    /// Target of the axis words of `block` in the machine frame (G53).
+    /// Target of the axis words of `block` in the machine frame (G53). Axes of the machine that are not named stay.
     fn machine_target(&self, block: &Block) -> Result<Location, Problem> {
         let mut machine = self.location.machine;
-        let tool = self.offsets.machine_frame();
-        for ((machine, tool), axis) in machine.linear.iter_mut().zip(tool).zip(Letter::LINEAR) {
-            let Some(word) = block.get(axis) else { continue };
-            *machine = self.units.to_metres(word) + tool;
-            in_range(block, axis, *machine, MAX_POSITION, " m")?;
+        let values = Letter::LINEAR.map(|axis| Some(self.units.to_metres(block.get(axis)?)));
+        machine.linear = self.offsets.with_machine_axes(machine.linear, values);
+        for (machine, axis) in machine.linear.into_iter().zip(Letter::LINEAR) {
+            in_range(block, axis, machine, MAX_POSITION, " m")?;
         }
         let rotary = machine.rotary.iter_mut().zip(self.offsets.angles_from_tip());
         for ((machine, tool), axis) in rotary.zip(Letter::ROTARY) {
@@ -213,7 +212,7 @@ impl State {
     }
 
     /// G28 and G30: to the point of the axis words, if there are any, and from there with the axes named, or all of
-    /// them, to `home`.
+    /// them, to `home`, machine frame. With a work frame these are the axes of the machine.
     #[expect(clippy::float_cmp, reason = "the same number or another one")]
     pub(super) fn go_home(
         &mut self,
@@ -227,9 +226,9 @@ impl State {
         let letters = block.letters();
         let all = !letters.meets(Letters::AXES);
         let mut target = home;
-        let linear = target.linear.iter_mut().zip(self.offsets.machine_frame());
-        let rotary = target.rotary.iter_mut().zip(self.offsets.angles_from_tip());
-        for (target, tool) in linear.chain(rotary) {
+        let here = self.location.machine.linear;
+        target.linear = self.offsets.with_machine_axes(here, home.linear.map(Some));
+        for (target, tool) in target.rotary.iter_mut().zip(self.offsets.angles_from_tip()) {
             *target += tool;
         }
         let target = Location::new(target, &self.offsets, self.units);
@@ -242,6 +241,12 @@ impl State {
                     to.machine.linear[index] = target.machine.linear[index];
                 }
             }
+        }
+        if self.offsets.work_frame.is_some() && !all {
+            let named = |axis: usize| letters.contains(Letter::LINEAR[axis]);
+            let values = std::array::from_fn(|axis| named(axis).then_some(home.linear[axis]));
+            to.machine.linear = self.offsets.with_machine_axes(here, values);
+            to.find_program(&self.offsets, self.units);
         }
         for (index, axis) in Letter::ROTARY.into_iter().enumerate() {
             if all || letters.contains(axis) {
