@@ -4,11 +4,10 @@ use crate::approach::{self, ApproachRule};
 use crate::axis_pace::{ACCELERATION, Along, AxisPace, RAPID_VELOCITY};
 use crate::section::Section;
 use crate::text::Text;
+use crate::tool_table;
 use std::path::Path;
 use std::sync::Arc;
-use twin_gcode::rs274::{
-    self, LengthUnit, ParameterFile, ParameterFileError, Position, ToolTable, ToolTableError,
-};
+use twin_gcode::rs274::{self, LengthUnit, ParameterFile, ParameterFileError, Position};
 use twin_path::ExtraPosition;
 use twin_path::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
 
@@ -193,16 +192,7 @@ fn read_rs274(
     let offsets = section.section("work_offsets_mm");
     let work_offsets = SYSTEMS.map(|system| place(&offsets, system));
     offsets.finish();
-    let tools = section.text("tool_table").and_then(|name| {
-        let path = file.parent().unwrap_or_else(|| Path::new("")).join(name);
-        let table = Text::open(&path)
-            .map_err(ToolTableError::Io)
-            .and_then(|table| ToolTable::read(table, units));
-        if let Err(error) = &table {
-            section.complain_at("tool_table", tool_table_problem(&path, error));
-        }
-        table.ok()
-    });
+    let tools = tool_table::read(section, file, units);
     let parameters = section.text("parameter_file").and_then(|name| {
         let path = file.parent().unwrap_or_else(|| Path::new("")).join(name);
         let read = Text::open(&path).map_err(ParameterFileError::Io).and_then(ParameterFile::read);
@@ -236,12 +226,4 @@ fn read_rs274(
     };
     section.check_unknown();
     options
-}
-
-/// Message about a tool table, with its file and the reason.
-pub fn tool_table_problem(path: &Path, error: &ToolTableError) -> String {
-    match error {
-        ToolTableError::Io(source) => format!("{}: {source}", path.display()),
-        error => format!("{}: {error}", path.display()),
-    }
 }

@@ -50,13 +50,14 @@ pub mod tappets;
 #[cfg(test)]
 mod tests;
 mod tool;
+mod tool_table;
 
 use crate::section::FileKind;
 pub use approach::{ApproachOrder, ApproachRule};
 pub use axis::Axis;
 pub use axis_drive::{AxisDrive, Switches};
 pub use axis_pace::{Along, AxisPace};
-pub use conditions::{PreparationInputs, ProgramConditions, tool_table_problem};
+pub use conditions::{PreparationInputs, ProgramConditions};
 pub use counting::{Counting, IncrementRatio};
 pub use couplings::{CamAxis, CamSelection, CoupledBy, Coupling, read_cam, read_ratio};
 pub use direction::DirectionRule;
@@ -71,6 +72,7 @@ pub use simulated::{
 };
 pub use simulation_error::SimulationError;
 pub use surroundings::Collision;
+pub use tool_table::{ToolTableFileError, load_tool_table, parse_tool_table};
 pub use twin_files::{limited_read, text};
 
 use crate::section::{KeyUse, MachineFileError, Problem, Section};
