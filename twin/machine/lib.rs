@@ -82,7 +82,7 @@ use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tool::Tool;
+use tool::{Mount, Tool};
 use twin_drives::MAX_DRIVE_AXES;
 use twin_drives::family::Family;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
@@ -114,6 +114,8 @@ pub struct Machine {
     pub axes: Vec<Axis>,
     /// Links and joints, for physics and pictures.
     pub model: Model,
+    /// Where its tools are.
+    mount: Mount,
     /// Deviations of the model from the URDF that the file names.
     pub urdf_warnings: Vec<UrdfWarning>,
     /// Warnings about the file or its URDF: parts that are perhaps not meant as written.
@@ -332,6 +334,7 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
         dimensions: toml::Table::new(),
         kinematics: Arc::new(geometry.kinematics),
         model: geometry.model,
+        mount: geometry.mount,
         direction: geometry.direction,
         length_scale: geometry.length_scale,
         frame: frame?,

@@ -238,6 +238,7 @@ impl State {
         let number = number.ok_or(DecodeError::from(OffsetError::MissingQ))?;
         self.find_tool(number, Letter::Q, block, out)?;
         self.load_tool(number);
+        self.m_function(61, Some(f64::from(number)), out);
         Ok(())
     }
 
