@@ -1,5 +1,6 @@
 //! Decode errors and warnings, with line and columns.
 
+use super::control::ControlFinding;
 use super::expression::ExpressionError;
 use super::flow::FlowError;
 use super::leniency::Leniency;
@@ -46,8 +47,11 @@ pub enum DecodeError {
     /// What LinuxCNC refuses and is read nevertheless. A warning.
     #[error("{0} (LinuxCNC refuses it)")]
     Lenient(Leniency),
+    /// What the control of the program does not take as LinuxCNC does. A warning unless it refuses it.
+    #[error("{0}")]
+    OfControl(ControlFinding),
     /// A warning that comes again.
-    #[error("{error}; the same {} more, the last in line {last}", counted(*more, "time"))]
+    #[error("{error}; {} more, last in line {last}", counted(*more, "time"))]
     Repeated {
         /// The warning.
         error: Box<DecodeError>,
@@ -512,6 +516,7 @@ impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
             Self::InFile { error, .. } | Self::Repeated { error, .. } => error.rule(),
+            Self::OfControl(_) => Rule::Control,
             Self::Lenient(leniency) => leniency.refusal().rule(),
             Self::UnsupportedLetter(_)
             | Self::UnsupportedAxis(_)
@@ -531,6 +536,14 @@ impl TextError for DecodeError {
             }
             Self::ProbeTripped(_) | Self::ProbeNotTripped(_) | Self::ProbeUnknown(_) => Rule::Probe,
             _ => Rule::Syntax,
+        }
+    }
+
+    fn hint(&self) -> Option<String> {
+        match self {
+            Self::OfControl(finding) => finding.hint(),
+            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.hint(),
+            _ => None,
         }
     }
 

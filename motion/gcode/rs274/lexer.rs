@@ -181,7 +181,13 @@ impl<'a> Lexer<'a> {
         let value = if self.is_number() { self.plain_number() } else { self.value().map(Some)? };
         let columns = start..self.at;
         match value {
-            Some(value) => block.add(upper, value, columns, self.state.strict, problems),
+            Some(value) => {
+                let value = match self.state.control {
+                    Some(control) if upper == b'G' => control.g_number(value),
+                    _ => value,
+                };
+                block.add(upper, value, columns, self.state.strict, problems);
+            }
             None => problems.push(Problem {
                 columns: Some(columns),
                 error: DecodeError::InvalidNumber(letter),

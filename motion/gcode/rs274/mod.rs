@@ -126,7 +126,7 @@ mod tool_table;
 mod travel;
 mod word;
 
-pub use control::Control;
+pub use control::{CONTROL_WORDS, Cell, Control, ControlFinding, ControlWord, Reading};
 pub use cycle::MAX_CYCLE_MOVES;
 pub use decoder::{Decoder, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item};

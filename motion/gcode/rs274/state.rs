@@ -2,6 +2,7 @@
 
 use super::block::{Block, Letter, Letters};
 use super::compensation::Compensation;
+use super::control::{self, Control};
 use super::cycle::Series;
 use super::error::{DecodeError, Problem};
 use super::input_output::m_letters;
@@ -50,6 +51,8 @@ pub(super) struct State {
     pub(super) keep_empty_moves: bool,
     /// Refuses what LinuxCNC refuses.
     pub(super) strict: bool,
+    /// The control that the program is meant for.
+    pub(super) control: Option<Control>,
     pub(super) tools: Option<ToolTable>,
     /// Without a tool table every tool exists, with length zero unless G10 says otherwise.
     pub(super) assumes_tools: bool,
@@ -118,6 +121,7 @@ impl State {
             deceleration: options.deceleration,
             keep_empty_moves: options.keep_empty_moves,
             strict: options.strict,
+            control: options.control,
             assumes_tools: options.tools.is_none(),
             tools: options.tools,
             probe_target: options.surroundings.map(|surroundings| surroundings.target()),
@@ -158,6 +162,13 @@ impl State {
         state
     }
 
+    fn remark(&self, leniency: Leniency, columns: Option<Range<usize>>, out: &mut Output) {
+        match self.control {
+            Some(control) => control::forgive(control, leniency, columns, out),
+            None => out.remark(columns, DecodeError::Lenient(leniency), false),
+        }
+    }
+
     /// Passes over what LinuxCNC refuses, with a warning.
     ///
     /// # Errors
@@ -171,7 +182,7 @@ impl State {
         if self.strict {
             return Err(Problem { columns, error: leniency.refusal() });
         }
-        out.remark(columns, DecodeError::Lenient(leniency), false);
+        self.remark(leniency, columns, out);
         Ok(())
     }
 
@@ -439,7 +450,7 @@ impl State {
         self.feed = Some(Feed::ASSUMED);
         // An F that could not be read has been reported.
         if !self.feed_reported {
-            out.remark(block.last_columns(), DecodeError::Lenient(Leniency::NoFeed), false);
+            self.remark(Leniency::NoFeed, block.last_columns(), out);
         }
     }
 
@@ -539,8 +550,9 @@ impl State {
         Ok((seconds * 1e9).round() as i64)
     }
 
-    /// Waits for `seconds`.
+    /// Waits for `seconds`, or what the control of the program makes of this number.
     pub(super) fn dwell(&mut self, seconds: f64, out: &mut Output) -> Result<(), DecodeError> {
+        let seconds = self.control.map_or(seconds, |control| control.seconds(seconds));
         let time_ns = Self::dwell_ns(seconds)?;
         self.stand(ElementKind::Dwell { time_ns }, MParameters::default(), out);
         Ok(())

@@ -4,6 +4,7 @@
 #![expect(clippy::cast_precision_loss, reason = "counts and dwells: far below 2^53")]
 
 mod compensation;
+mod control;
 mod corpus;
 mod cycles;
 mod errors;
