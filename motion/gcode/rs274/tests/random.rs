@@ -44,7 +44,8 @@ pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
 fn options() -> impl Strategy<Value = DecoderOptions> {
     let position = || {
         ([-1.0..1.0, -1.0..1.0, -1.0..1.0_f64], any::<bool>()).prop_map(|(linear, turned)| {
-            Position { linear, rotary: [if turned { 30.0 } else { 0.0 }, 0.0, 0.0] }
+            let rotary = [if turned { 30.0 } else { 0.0 }, 0.0, 0.0];
+            Position { linear, rotary, parallel: linear }
         })
     };
     (position(), position(), position(), any::<[bool; 4]>()).prop_map(
