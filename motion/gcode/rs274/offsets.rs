@@ -251,9 +251,9 @@ impl Offsets {
     /// Offset that G53, G28 and G30 add to a position of the controlled point, m and degrees. With rotary axes they
     /// leave the tool out in LinuxCNC.
     pub(super) fn machine_frame(&self) -> Position {
-        let from_tip = self.from_tip();
-        let offset = difference(&from_tip, &self.tool);
-        Position { rotary: from_tip.rotary, ..offset }
+        let tip_offset = self.tip_offset();
+        let offset = difference(&tip_offset, &self.tool);
+        Position { rotary: tip_offset.rotary, ..offset }
     }
 
     /// The system in force: 0 for G54 to 8 for G59.3.
@@ -274,11 +274,11 @@ impl Offsets {
 
     /// From the tip of the tool to the point whose path it is, m.
     pub(super) fn point_from_tip(&self) -> [f64; 3] {
-        self.from_tip().linear
+        self.tip_offset().linear
     }
 
     /// The same for all axes, m and degrees.
-    fn from_tip(&self) -> Position {
+    fn tip_offset(&self) -> Position {
         match self.reference {
             ToolReference::ControlPoint => self.tool,
             ToolReference::Tip => Position::default(),
@@ -358,7 +358,7 @@ impl Offsets {
         machine: &Position,
         values: &AxisValues,
     ) {
-        let now = self.in_system(system, &difference(machine, &self.from_tip()), true);
+        let now = self.in_system(system, &difference(machine, &self.tip_offset()), true);
         let mut wanted = now;
         values.replace(&mut wanted);
         let mut shift = difference(&now, &wanted);
@@ -469,7 +469,7 @@ impl Offsets {
     }
 
     fn add_up(&mut self) {
-        self.sum = sum(&sum(&self.origin, &self.g92), &self.from_tip());
+        self.sum = sum(&sum(&self.origin, &self.g92), &self.tip_offset());
     }
 }
 

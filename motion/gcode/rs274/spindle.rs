@@ -46,7 +46,7 @@ impl State {
                     && block.g.feed_mode != Some(FeedMode::PerRevolution)
             }
         };
-        if number == 0.0 || takes_all && number == -1.0 {
+        if number == 0.0 || takes_all && number + 1.0 == 0.0 {
             return Ok(());
         }
         let error = DecodeError::Spindle { number, takes_all };
