@@ -225,7 +225,8 @@ impl State {
             }
         }
         check_position(&to)?;
-        self.note_extra(&{ self.location.machine }, &to.machine)?;
+        let from = self.location.machine;
+        self.note_extra(&from, &to.machine)?;
         self.rapid(to, out);
         Ok(())
     }
