@@ -119,6 +119,9 @@ pub enum DecodeError {
     /// `@` or `^` in a block that does not move, or with G28, G30, G53 or G92.
     #[error("polar coordinates (@ and ^) are for motions, and not with G28, G30, G53 or G92")]
     PolarWithoutMotion,
+    /// `@` or `^` in another plane than that of X and Y.
+    #[error("polar coordinates (@ and ^) need the plane G17: write it in a block before")]
+    PolarOutsideXy,
     /// `@` or `^` and X or Y.
     #[error("polar coordinates (@ and ^) cannot be used with X or Y in one block")]
     PolarAndCoordinate,
@@ -306,8 +309,8 @@ pub enum DecodeError {
         /// Height of the bottom.
         bottom: f64,
     },
-    /// Compensation in the plane of Y and Z.
-    #[error("G{0} needs the plane G17 or G18, not G19")]
+    /// Compensation in another plane than those of X and Y or Z and X.
+    #[error("G{0} needs the plane G17 or G18")]
     CompensationPlane(f64),
     /// Compensation that is on already.
     #[error("G{0} begins cutter radius compensation, which is on already: end it with G40 before")]
@@ -390,9 +393,33 @@ pub enum DecodeError {
     /// Offsets set by the program.
     #[error(transparent)]
     Offset(#[from] OffsetError),
-    /// A word of a second set of linear axes.
-    #[error("{0} axes are not supported; the axes are X Y Z A B C")]
-    UnsupportedAxis(char),
+    /// Both C and U, the same extra axis.
+    #[error(
+        "{second} and {first}, which the program has used before, are the same extra axis: use one of them only, or V or W in place of U"
+    )]
+    SharedAxis {
+        /// C or U, which has come first.
+        first: char,
+        /// The other one.
+        second: char,
+    },
+    /// A spindle that does not exist.
+    #[error(
+        "$ selects the spindle {}, but there is one spindle, number 0: leave $ out{}",
+        Short(*number),
+        if *takes_all { ", or write $-1 for all spindles" } else { "" }
+    )]
+    Spindle {
+        /// Number of the spindle.
+        number: f64,
+        /// -1 is all spindles.
+        takes_all: bool,
+    },
+    /// An arc in a plane of U, V and W.
+    #[error(
+        "G2 and G3 are not possible in G17.1, G18.1 and G19.1: select a plane of X, Y and Z (G17 to G19) before"
+    )]
+    ArcInParallelPlane,
     /// A letter that is not executed.
     #[error("{0} words are not supported")]
     UnsupportedLetter(char),
@@ -518,9 +545,9 @@ impl TextError for DecodeError {
             Self::InFile { error, .. } | Self::Repeated { error, .. } => error.rule(),
             Self::OfControl(_) => Rule::Control,
             Self::Lenient(leniency) => leniency.refusal().rule(),
-            Self::UnsupportedLetter(_)
-            | Self::UnsupportedAxis(_)
-            | Self::UnsupportedCode { .. } => Rule::UnsupportedWord,
+            Self::UnsupportedLetter(_) | Self::SharedAxis { .. } | Self::UnsupportedCode { .. } => {
+                Rule::UnsupportedWord
+            }
             Self::ArcWithoutCenter
             | Self::RadiusAndCenter
             | Self::CenterOutsidePlane(_)

@@ -45,7 +45,7 @@ pub(super) fn lex(
             b';' => return None,
             b'(' => lexer.comment().map(|comment| block.message = comment),
             b'#' => lexer.assignment(block),
-            b'@' | b'^' => lexer.word(byte, block, problems),
+            b'@' | b'^' | b'$' => lexer.word(byte, block, problems),
             _ if byte.is_ascii_alphabetic() => lexer.word(byte, block, problems),
             _ => Err(lexer.unexpected(byte)),
         };
@@ -271,9 +271,6 @@ impl<'a> Lexer<'a> {
     /// The character here does not begin a word.
     fn unexpected(&self, byte: u8) -> Problem {
         let at = self.at;
-        if byte == b'$' {
-            return self.problem(at, at + 1, DecodeError::UnsupportedLetter('$'));
-        }
         // No character is longer than four bytes.
         let bytes = self.line.get(at..self.line.len().min(at + 4)).unwrap_or_default();
         let character = bytes.utf8_chunks().next().and_then(|chunk| chunk.valid().chars().next());

@@ -65,11 +65,15 @@ pub(super) struct State {
     pub(super) compensation: Compensation,
     /// End of the last element; none before the first.
     pub(super) path_end: Option<Position>,
-    /// A rotary axis has been named.
-    pub(super) rotary: bool,
+    /// The path has extra axes: one of A, B, C, U, V, W has been named or has moved.
+    pub(super) extra: bool,
+    /// C or U, whichever the program moves: both are the extra axis U.
+    pub(super) shared: Option<Letter>,
 
     pub(super) units: LengthUnit,
     pub(super) plane: Plane,
+    /// The plane is that of U, V, W in place of X, Y, Z (G17.1 to G19.1).
+    pub(super) parallel_plane: bool,
     pub(super) motion: Motion,
     /// A word has said how to move, or that nothing moves.
     pub(super) motion_given: bool,
@@ -130,9 +134,11 @@ impl State {
             location,
             compensation: Compensation::default(),
             path_end: None,
-            rotary: options.start.rotary.iter().any(|angle| *angle != 0.0),
+            extra: options.start.extra_axes().iter().any(|position| *position != 0.0),
+            shared: None,
             units: options.units,
             plane: Plane::Xy,
+            parallel_plane: false,
             motion: Motion::Off,
             motion_given: false,
             relative: false,
@@ -218,6 +224,8 @@ impl State {
             self.forgive(Leniency::NoMotionWord, None, out)?;
         }
         self.check_words(block, motion)?;
+        self.name_extra(block)?;
+        Self::check_spindle_number(block, motion)?;
         self.check_before_compensation(block, out)?;
         self.set_feed(block)?;
         self.set_tool_and_speed(block, out)?;
@@ -342,13 +350,16 @@ impl State {
                 used = used.without(Letters::AXES);
             }
             Some(Motion::Cycle(cycle)) => {
-                used = used.without(Letters::ROTARY).with(cycle.words());
+                let parallel = block.g.parallel_plane.unwrap_or(self.parallel_plane);
+                let other = if parallel { Letters::LINEAR } else { Letters::PARALLEL };
+                used = used.without(Letters::ROTARY.with(other)).with(cycle.words());
             }
             Some(Motion::Thread(thread)) => {
                 used = thread.words().with(Letters::of(&[Letter::S, Letter::T]));
             }
             _ => {}
         }
+        used = used.with(Self::spindle_words(block, motion));
         if block.g.one_shot == Some(OneShot::Dwell) {
             used = used.with(Letters::of(&[Letter::P]));
         }
@@ -392,6 +403,9 @@ impl State {
             let coordinates = Letters::of(&[Letter::X, Letter::Y]);
             if motion.is_none() || block.g.one_shot.is_some_and(|shot| shot != OneShot::Dwell) {
                 return Err(DecodeError::PolarWithoutMotion.into());
+            }
+            if self.plane != Plane::Xy || self.parallel_plane {
+                return Err(DecodeError::PolarOutsideXy.into());
             }
             if block.letters().meets(coordinates) {
                 return Err(DecodeError::PolarAndCoordinate.into());
@@ -499,6 +513,7 @@ impl State {
         }
         self.diameters = words.diameters.unwrap_or(self.diameters);
         self.plane = words.plane.unwrap_or(self.plane);
+        self.parallel_plane = words.parallel_plane.unwrap_or(self.parallel_plane);
         self.relative = words.relative.unwrap_or(self.relative);
         self.absolute_centers = words.absolute_centers.unwrap_or(self.absolute_centers);
         self.initial_level = words.initial_level.unwrap_or(self.initial_level);
