@@ -314,7 +314,7 @@ impl<R: BufRead> Decoder<R> {
         match effect {
             Effect::None => {}
             Effect::Enter { arguments, unknown } => {
-                let saved = self.state.parameters.enter(arguments.as_deref());
+                let saved = self.state.parameters.enter(arguments);
                 self.flow.save(saved);
                 let Some(label) = unknown else { return };
                 match self.source.open(label.text()) {

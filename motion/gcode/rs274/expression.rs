@@ -80,22 +80,22 @@ enum Operator {
 }
 
 /// Operators by their text; a longer one before its beginning.
-const OPERATORS: [(&[u8], Operator); 15] = [
-    (b"**", Operator::Power),
-    (b"*", Operator::Times),
-    (b"/", Operator::Divided),
-    (b"+", Operator::Plus),
-    (b"-", Operator::Minus),
-    (b"MOD", Operator::Modulo),
-    (b"EQ", Operator::Equal),
-    (b"NE", Operator::NotEqual),
-    (b"GT", Operator::Greater),
-    (b"GE", Operator::GreaterOrEqual),
-    (b"LT", Operator::Less),
-    (b"LE", Operator::LessOrEqual),
-    (b"AND", Operator::And),
-    (b"OR", Operator::Or),
-    (b"XOR", Operator::Xor),
+const OPERATORS: [(&str, Operator); 15] = [
+    ("**", Operator::Power),
+    ("*", Operator::Times),
+    ("/", Operator::Divided),
+    ("+", Operator::Plus),
+    ("-", Operator::Minus),
+    ("MOD", Operator::Modulo),
+    ("EQ", Operator::Equal),
+    ("NE", Operator::NotEqual),
+    ("GT", Operator::Greater),
+    ("GE", Operator::GreaterOrEqual),
+    ("LT", Operator::Less),
+    ("LE", Operator::LessOrEqual),
+    ("AND", Operator::And),
+    ("OR", Operator::Or),
+    ("XOR", Operator::Xor),
 ];
 
 impl Operator {
@@ -163,21 +163,21 @@ enum Function {
     Tan,
 }
 
-const FUNCTIONS: [(&[u8], Function); 14] = [
-    (b"ABS", Function::Abs),
-    (b"ACOS", Function::Acos),
-    (b"ASIN", Function::Asin),
-    (b"ATAN", Function::Atan),
-    (b"COS", Function::Cos),
-    (b"EXISTS", Function::Exists),
-    (b"EXP", Function::Exp),
-    (b"FIX", Function::Fix),
-    (b"FUP", Function::Fup),
-    (b"LN", Function::Ln),
-    (b"ROUND", Function::Round),
-    (b"SIN", Function::Sin),
-    (b"SQRT", Function::Sqrt),
-    (b"TAN", Function::Tan),
+const FUNCTIONS: [(&str, Function); 14] = [
+    ("ABS", Function::Abs),
+    ("ACOS", Function::Acos),
+    ("ASIN", Function::Asin),
+    ("ATAN", Function::Atan),
+    ("COS", Function::Cos),
+    ("EXISTS", Function::Exists),
+    ("EXP", Function::Exp),
+    ("FIX", Function::Fix),
+    ("FUP", Function::Fup),
+    ("LN", Function::Ln),
+    ("ROUND", Function::Round),
+    ("SIN", Function::Sin),
+    ("SQRT", Function::Sqrt),
+    ("TAN", Function::Tan),
 ];
 
 impl Function {
@@ -385,10 +385,8 @@ impl Lexer<'_> {
     }
 
     /// The entry of `table` whose text is here, and where it ends.
-    pub(super) fn one_of<T: Copy>(&self, table: &[(&[u8], T)]) -> Option<(T, usize)> {
-        let first = self.line.get(self.at)?.to_ascii_uppercase();
-        let candidates = table.iter().filter(|(text, _)| text.first() == Some(&first));
-        candidates.into_iter().find_map(|(text, meaning)| Some((*meaning, self.end_of(text)?)))
+    pub(super) fn one_of<T: Copy>(&self, table: &[(&str, T)]) -> Option<(T, usize)> {
+        table.iter().find_map(|(text, meaning)| Some((*meaning, self.end_of(text)?)))
     }
 }
 

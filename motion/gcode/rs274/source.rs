@@ -23,6 +23,13 @@ pub(super) struct Spot {
     pub(super) line: u32,
 }
 
+impl Spot {
+    /// The place behind the next line, whose number `line` is then.
+    pub(super) fn behind(self) -> Self {
+        Self { line: self.line.saturating_add(1), ..self }
+    }
+}
+
 /// Lines in a row.
 #[derive(Debug, Default)]
 struct Lines {
