@@ -6,7 +6,8 @@
 //! ```
 
 use super::parameters::LAST;
-use std::io::{self, BufRead, Read};
+use crate::lines;
+use std::io::{self, Read};
 
 /// Parameters of the interpreter with their values, in ascending order of their numbers.
 ///
@@ -62,20 +63,13 @@ impl ParameterFile {
     /// # Errors
     /// See [`ParameterFileError`].
     pub fn read(reader: impl Read) -> Result<Self, ParameterFileError> {
-        let mut reader = io::BufReader::new(reader.take(MAX_BYTES + 1));
+        let text = lines::read_file(reader, MAX_BYTES).map_err(ParameterFileError::Io)?;
+        if text.len() as u64 > MAX_BYTES {
+            return Err(ParameterFileError::TooLong(MAX_BYTES));
+        }
         let mut values: Vec<(u16, f64)> = Vec::new();
-        let (mut text, mut bytes) = (Vec::new(), 0_u64);
-        for line in 1.. {
-            text.clear();
-            let count = reader.read_until(b'\n', &mut text).map_err(ParameterFileError::Io)?;
-            if count == 0 {
-                break;
-            }
-            bytes += u64::try_from(count).unwrap_or(u64::MAX);
-            if bytes > MAX_BYTES {
-                return Err(ParameterFileError::TooLong(MAX_BYTES));
-            }
-            let Some((number, value)) = entry(&text, line)? else { continue };
+        for (line, text) in (1..).zip(lines::lines(&text)) {
+            let Some((number, value)) = entry(text, line)? else { continue };
             match values.last() {
                 Some((before, _)) if *before >= number => {
                     return Err(ParameterFileError::Order { line, number, before: *before });

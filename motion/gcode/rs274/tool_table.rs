@@ -6,8 +6,8 @@
 //! ```
 
 use super::{LengthUnit, Position};
-use crate::number;
-use std::io::{self, BufRead, Read};
+use crate::{lines, number};
+use std::io::{self, Read};
 
 /// A tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -134,22 +134,17 @@ impl ToolTable {
     /// # Errors
     /// See [`ToolTableError`].
     pub fn read(reader: impl Read, unit: LengthUnit) -> Result<Self, ToolTableError> {
-        let mut reader = io::BufReader::new(reader.take(MAX_BYTES + 1));
+        let text = lines::read_file(reader, MAX_BYTES).map_err(ToolTableError::Io)?;
         let mut tools: Vec<(u32, Tool)> = Vec::new();
-        let (mut text, mut bytes) = (Vec::new(), 0_u64);
-        for line in 1.. {
-            text.clear();
-            let count = reader.read_until(b'\n', &mut text).map_err(ToolTableError::Io)?;
-            if count == 0 {
-                break;
-            }
-            bytes += u64::try_from(count).unwrap_or(u64::MAX);
-            if bytes > MAX_BYTES {
-                return Err(ToolTableError::TooLong { line, limit: MAX_BYTES });
-            }
-            if let Some(tool) = entry(&text, line, unit)? {
-                tools.push((line, tool));
-            }
+        if text.len() as u64 > MAX_BYTES {
+            let last = (1..).zip(lines::lines(&text)).last();
+            return Err(ToolTableError::TooLong {
+                line: last.map_or(1, |(line, _)| line),
+                limit: MAX_BYTES,
+            });
+        }
+        for (line, text) in (1..).zip(lines::lines(&text)) {
+            tools.extend(entry(text, line, unit)?.map(|tool| (line, tool)));
         }
         tools.sort_by_key(|(_, tool)| tool.number);
         for pair in tools.windows(2) {
