@@ -3,6 +3,7 @@
 
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
+use super::input_output::rounded;
 use super::offsets::AxisValues;
 use super::options::Position;
 use super::output::Output;
@@ -234,8 +235,7 @@ impl State {
         block: &Block,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        let number = block.whole(Letter::Q, 0).map_err(|error| at(block, Letter::Q, error))?;
-        let number = number.ok_or(DecodeError::from(OffsetError::MissingQ))?;
+        let number = rounded(block, Letter::Q)?.ok_or(DecodeError::from(OffsetError::MissingQ))?;
         self.find_tool(number, Letter::Q, block, out)?;
         self.load_tool(number);
         Ok(())

@@ -20,13 +20,16 @@ use super::travel::Axis;
 use super::word::{Motion, Thread};
 use twin_path::ElementKind;
 
+/// Axes of G33.1 and G76.
+const AXES: Letters = Letters::LINEAR.with(Letters::ROTARY);
+
 impl Thread {
     /// The words of the motion; those of axes are among them.
     pub(super) fn words(self) -> Letters {
         match self {
             Self::Straight => Letters::AXES.with(Letters::of(&[Letter::K])),
-            Self::RigidTap => Letters::LINEAR.with(Letters::of(&[Letter::I, Letter::K])),
-            Self::Cycle => Letters::LINEAR.with(Letters::CENTER).with(Letters::of(&[
+            Self::RigidTap => AXES.with(Letters::of(&[Letter::I, Letter::K])),
+            Self::Cycle => AXES.with(Letters::CENTER).with(Letters::of(&[
                 Letter::E,
                 Letter::F,
                 Letter::H,
@@ -82,6 +85,7 @@ impl State {
         result
     }
 
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
     fn thread_to(
         &mut self,
         thread: Thread,
@@ -90,6 +94,14 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         let motion = Motion::Thread(thread);
+        let (from, turned) = (self.location.program_rotary, to.program_rotary);
+        let mut axes = Letter::ROTARY.into_iter().zip(from.iter().zip(turned));
+        if let Some((letter, _)) = axes.find(|(_, (from, to))| **from != *to)
+            && thread != Thread::Straight
+        {
+            let error = DecodeError::UnusedWord(letter.as_char());
+            return Err(Problem { columns: block.columns(letter), error });
+        }
         let needed = |letter: Letter| {
             let missing =
                 DecodeError::MissingWord { motion: motion.number(), letter: letter.as_char() };
