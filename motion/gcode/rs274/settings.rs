@@ -124,7 +124,7 @@ impl State {
 
     /// G10.
     fn set_data(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        let kind = block.whole(Letter::L, 0).map_err(|error| at(block, Letter::L, error))?;
+        let kind = block.whole_at(Letter::L, 0)?;
         match kind {
             // Reads the tool table again, which nobody has changed.
             Some(0) if self.tool != 0 => {
@@ -164,7 +164,7 @@ impl State {
     fn set_tool_data(&mut self, l: u32, block: &Block, out: &mut Output) -> Result<(), Problem> {
         const USED: Letters =
             Letters::AXES.with(Letters::of(&[Letter::I, Letter::J, Letter::Q, Letter::R]));
-        let number = block.whole(Letter::P, 1).map_err(|error| at(block, Letter::P, error))?;
+        let number = block.whole_at(Letter::P, 1)?;
         let number = number.ok_or(DecodeError::from(OffsetError::MissingP(l)))?;
         let mut tool = self.find_tool(number, Letter::P, block, out)?;
         if !block.letters().meets(USED) {
@@ -248,7 +248,7 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         let Some(kind) = block.g.tool_length else { return Ok(()) };
-        let named = block.whole(Letter::H, 0).map_err(|error| at(block, Letter::H, error))?;
+        let named = block.whole_at(Letter::H, 0)?;
         let mut offset = *self.offsets.tool();
         match kind {
             ToolLength::Off => offset = Position::default(),
@@ -301,7 +301,7 @@ fn at(block: &Block, letter: Letter, error: DecodeError) -> Problem {
 
 /// The number of a word that takes whole numbers from 0 to 9.
 fn digit(block: &Block, letter: Letter) -> Result<Option<u32>, Problem> {
-    let found = block.whole(letter, 0).map_err(|error| at(block, letter, error))?;
+    let found = block.whole_at(letter, 0)?;
     if found.is_some_and(|value| value > MAX_DIGIT) {
         let value = block.get(letter).unwrap_or_default();
         let (letter_name, max) = (letter.as_char(), f64::from(MAX_DIGIT));

@@ -105,7 +105,7 @@ impl Lexer<'_> {
         if matches!(self.peek(), None | Some(b'(' | b';')) {
             return Ok((label, Keyword::Program));
         }
-        let Some((keyword, end)) = self.one_of(&KEYWORDS) else {
+        let Some((&(_, keyword), end)) = self.one_of(&KEYWORDS) else {
             return Err(self.since(start, FlowError::UnknownKeyword));
         };
         self.at = end;
