@@ -51,12 +51,11 @@
 //!
 //! Differences from LinuxCNC 2.9, whose rules apply otherwise (its documentation, and its interpreter run over
 //! `tests/linuxcnc.rs`, random programs and a corpus of CAM output):
-//! - F must be programmed before the first feed move; LinuxCNC's previews begin with a feed of their own.
-//! - A file that ends without M2, M30 or second % gives a warning, and a % at the end is accepted without one at the
-//!   beginning. LinuxCNC refuses both after having run all of the program. A compensated move that waits for the next
-//!   one is done at the end; LinuxCNC leaves it out at a % and at the end of the file.
-//! - K0 (J0, I0) along the normal of an arc's plane has no effect.
-//! - Limits: lines may have [`MAX_LINE_BYTES`], not 255 characters; one canned cycle block and G76 make at most
+//! - What shops run on other controls is read with a warning ([`Leniency`]). K0 (J0, I0) along the normal of an arc's
+//!   plane has no effect. [`DecoderOptions::strict`] refuses all of this.
+//! - A compensated move that waits for the next one is done at the end of the file too, and at a second %. LinuxCNC leaves
+//!   it out there.
+//! - Limits: lines may have [`MAX_LINE_BYTES`] instead of 253, one canned cycle block and G76 make at most
 //!   [`MAX_CYCLE_MOVES`], a NURBS has at most [`MAX_CONTROL_POINTS`], and loops and calls end ([`FlowLimits`]).
 //! - Motions that would never end are errors: pitches that are not above 0, feeds per revolution without a speed (which
 //!   LinuxCNC checks for G1 to G3 only), F0 in inverse time, for which LinuxCNC takes 0.1 units per minute.
@@ -98,6 +97,7 @@ mod error;
 mod expression;
 mod flow;
 mod input_output;
+mod leniency;
 mod lexer;
 mod message;
 mod modes;
@@ -126,6 +126,7 @@ pub use decoder::{Decoder, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item};
 pub use expression::ExpressionError;
 pub use flow::{FlowError, FlowLimits};
+pub use leniency::Leniency;
 pub use message::Message;
 pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference};
 pub use parameter_file::{ParameterFile, ParameterFileError};
