@@ -54,8 +54,7 @@ impl State {
     /// Those of missing and wrong words.
     pub(super) fn set_outputs(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
         let Some(number) = block.m.input_output else { return Ok(()) };
-        let missing =
-            |letter: Letter| DecodeError::MissingMWord { m: number, letter: letter.as_char() };
+        let missing = |word| DecodeError::missing(format!("M{number}"), word);
         let channel = |letter| rounded(block, letter).map(|it| it.map(f64::from));
         let parameters = match number {
             66 => {
@@ -63,12 +62,12 @@ impl State {
                 wait(block)?
             }
             67 | 68 => MParameters {
-                k: Some(channel(Letter::E)?.ok_or(missing(Letter::E))?),
-                l: Some(block.get(Letter::Q).ok_or(missing(Letter::Q))?),
+                k: Some(channel(Letter::E)?.ok_or(missing("E: the number of the analog output"))?),
+                l: Some(block.get(Letter::Q).ok_or(missing("Q: the value of the analog output"))?),
                 o: None,
             },
             _ => MParameters {
-                k: Some(channel(Letter::P)?.ok_or(missing(Letter::P))?),
+                k: Some(channel(Letter::P)?.ok_or(missing("P: the number of the digital output"))?),
                 ..MParameters::default()
             },
         };
@@ -107,7 +106,10 @@ fn wait(block: &Block) -> Result<MParameters, Problem> {
     let timeout = block.get(Letter::Q).unwrap_or(0.0).max(0.0);
     let at = |letter: Letter, error| Problem { columns: block.columns(letter), error };
     match (digital, analog) {
-        (None, None) => return Err(DecodeError::WaitWithoutInput.into()),
+        (None, None) => {
+            let input = "the number of its input: P if it is digital, E if it is analog";
+            return Err(DecodeError::missing("M66", input).into());
+        }
         (Some(_), Some(_)) => return Err(at(Letter::E, DecodeError::WaitForTwoInputs)),
         (None, Some(_)) if kind > 0 => return Err(at(Letter::L, DecodeError::WaitForAnalog)),
         _ => {}

@@ -102,14 +102,12 @@ impl State {
             let error = DecodeError::UnusedWord(letter.as_char());
             return Err(Problem { columns: block.columns(letter), error });
         }
-        let needed = |letter: Letter| {
-            let missing =
-                DecodeError::MissingWord { motion: motion.number(), letter: letter.as_char() };
-            block.get(letter).ok_or(missing)
-        };
+        let code = format!("G{}", motion.number());
+        let missing = |letter: Letter| DecodeError::missing(&code, letter.as_char());
+        let needed = |letter| block.get(letter).ok_or_else(|| missing(letter));
         let pitch = if thread == Thread::Cycle { Letter::P } else { Letter::K };
         let revolution = needed(pitch)?;
-        block.check_above(&format!("G{}", motion.number()), pitch, revolution, 0.0)?;
+        block.check_above(&code, pitch, revolution, 0.0)?;
         if thread == Thread::Cycle {
             let turning = self.turning(
                 block,
