@@ -232,6 +232,7 @@ impl<R: BufRead> Decoder<R> {
         for Problem { columns, error } in self.problems.drain(..) {
             self.out.error(columns, error);
         }
+        self.state.recover(&self.block, &mut self.out);
         self.ended = matches!(self.block.m.stop, Some(2 | 30));
     }
 
@@ -255,12 +256,16 @@ impl<R: BufRead> Decoder<R> {
             }
             return;
         }
+        let before = self.state.location;
         match self.state.execute(&self.block, &mut self.out) {
             Ok(true) => {}
             Ok(false) => self.ended = true,
             Err(Problem { columns, error }) => {
                 self.state.adopt(&self.block);
                 self.out.error(columns, error);
+                if self.state.location == before {
+                    self.state.recover(&self.block, &mut self.out);
+                }
                 self.ended = matches!(self.block.m.stop, Some(2 | 30));
             }
         }

@@ -275,6 +275,29 @@ impl State {
         }
     }
 
+    /// Lets the path go on where a block that cannot be executed was meant to end, as far as that is known.
+    pub(super) fn recover(&mut self, block: &Block, out: &mut Output) {
+        let of_block = block.g.motion.unwrap_or(self.motion);
+        let to = match (block.g.one_shot, of_block) {
+            (Some(OneShot::MachineFrame), _) => self.machine_target(block),
+            (Some(OneShot::Dwell) | None, Motion::Cycle(_)) => {
+                // Above the hole.
+                let [.., normal] = self.axes();
+                let height = self.location.program[normal.index];
+                self.target(block, self.relative).and_then(|to| self.with(&to, normal, height))
+            }
+            // They end where they touch something, or where they began.
+            (_, Motion::Off | Motion::Probe(_) | Motion::Thread(_)) => return,
+            (Some(OneShot::Dwell) | None, _) => self.target(block, self.relative),
+            _ => return,
+        };
+        let Ok(to) = to else { return };
+        if to != self.location {
+            self.interrupt_compensation(out);
+            self.location = to;
+        }
+    }
+
     /// Goes straight to `to` with the velocity of rapids.
     pub(super) fn rapid(&mut self, to: Location, out: &mut Output) {
         let shape = self.line_to(&to);

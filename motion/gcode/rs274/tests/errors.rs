@@ -145,3 +145,27 @@ fn modes_of_an_erroneous_block_hold() {
     // M2 ends the program although there is something wrong in its block.
     assert_eq!(decode("G0 X1\nM2 M29\nX2").elements.len(), 1);
 }
+
+/// Behind a block with an error the path goes on where it was meant to end, and nothing else is wrong.
+#[test]
+fn twenty_faults_are_twenty_errors() {
+    let decoded = decode(include_str!("faults.ngc"));
+    let lines: Vec<_> = decoded.errors.iter().map(|error| error.place.line).collect();
+    let marked = include_str!("faults.ngc").lines().zip(1..);
+    let faults: Vec<u32> =
+        marked.filter(|(text, _)| text.contains("(fault")).map(|(_, line)| line).collect();
+    assert_eq!(faults.len(), 20);
+    assert_eq!(lines, faults);
+    for pair in decoded.elements.windows(2) {
+        assert_eq!(pair[0].end(), pair[1].start());
+    }
+    // Every move is 10 mm long and goes to the X of its line but for jumps, which make up for faults.
+    let moves =
+        decoded.elements.iter().filter(|it| it.kind != ElementKind::Jump && it.place.line > 3);
+    for element in moves {
+        let x = f64::from(element.place.line) * 0.01;
+        assert!((element.end().x - x).abs() < 1e-12, "{element:?}");
+        assert!((element.start().x - x).abs() < 0.010_001, "{element:?}");
+    }
+    assert_eq!(ends_mm(&decoded.elements).last(), Some(&[440.0, 0.0, 0.0]));
+}
