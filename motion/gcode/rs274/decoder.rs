@@ -357,7 +357,7 @@ impl<R: BufRead> Decoder<R> {
                     Ok(None) => {}
                     Err(cause) => {
                         let (label, cause) = (label.to_string(), cause.to_string());
-                        self.out.error(None, FlowError::File { label, cause }.into());
+                        self.out.error(None, FlowError::File(label, cause).into());
                     }
                 }
             }

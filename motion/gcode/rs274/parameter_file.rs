@@ -27,14 +27,9 @@ pub enum ParameterFileError {
     /// A line that is not a number and a value.
     #[error("line {0}: write the number of a parameter and its value, such as `5221 12.5`")]
     Line(u32),
-    /// A number that no parameter has.
-    #[error("line {line}: parameter {number} does not exist: the numbers are 1 to {LAST}")]
-    Number {
-        /// Line of the file, counted from 1.
-        line: u32,
-        /// The number.
-        number: i64,
-    },
+    /// A number that no parameter has, in a line counted from 1.
+    #[error("line {0}: parameter {1} does not exist: the numbers are 1 to {LAST}")]
+    Number(u32, i64),
     /// A number that is not larger than the one before.
     #[error(
         "line {line}: parameter {number} follows {before}; the numbers must ascend: move the line up or delete it"
@@ -106,6 +101,6 @@ fn entry(text: &[u8], line: u32) -> Result<Option<(u16, f64)>, ParameterFileErro
     }
     match u16::try_from(number) {
         Ok(small) if (1..=LAST).contains(&small) => Ok(Some((small, value))),
-        _ => Err(ParameterFileError::Number { line, number }),
+        _ => Err(ParameterFileError::Number(line, number)),
     }
 }

@@ -49,33 +49,18 @@ pub enum ToolTableError {
     /// It cannot be read.
     #[error("the tool table cannot be read")]
     Io(#[source] io::Error),
-    /// An entry is not a letter with a number.
-    #[error("line {line}: {letter:?} is not followed by a number")]
-    Number {
-        /// Line of the file, counted from 1.
-        line: u32,
-        /// The entry's letter.
-        letter: char,
-    },
-    /// A letter the format does not have.
-    #[error("line {line}: tool tables have no {letter:?}")]
-    Letter {
-        /// Line of the file, counted from 1.
-        line: u32,
-        /// The character.
-        letter: char,
-    },
+    /// An entry is not a letter with a number: its line, counted from 1, and its letter.
+    #[error("line {0}: {1:?} is not followed by a number")]
+    Number(u32, char),
+    /// A letter the format does not have, in a line counted from 1.
+    #[error("line {0}: tool tables have no {1:?}")]
+    Letter(u32, char),
     /// A tool without number, or with one that is negative or no whole number.
     #[error("line {0}: a tool needs a whole number T")]
     ToolNumber(u32),
-    /// A tool for the second time.
-    #[error("line {line}: tool {number} is there already")]
-    Duplicate {
-        /// Line of the file, counted from 1.
-        line: u32,
-        /// The tool's number.
-        number: u32,
-    },
+    /// A tool for the second time: the line, counted from 1, and the number of the tool.
+    #[error("line {0}: tool {1} is there already")]
+    Duplicate(u32, u32),
     /// A number beyond what any machine has, or an orientation other than 0 to 9.
     #[error("line {line}: {letter}{value} is out of range")]
     OutOfRange {
@@ -151,7 +136,7 @@ impl ToolTable {
             if let [(_, first), (line, second)] = pair
                 && first.number == second.number
             {
-                return Err(ToolTableError::Duplicate { line: *line, number: second.number });
+                return Err(ToolTableError::Duplicate(*line, second.number));
             }
         }
         Ok(Self { tools: tools.into_iter().map(|(_, tool)| tool).collect() })
@@ -179,9 +164,9 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
         empty = false;
         let letter = char::from(letter.to_ascii_uppercase());
         if !matches!(letter, 'A'..='D' | 'I' | 'J' | 'P' | 'Q' | 'T' | 'U'..='Z') {
-            return Err(ToolTableError::Letter { line, letter });
+            return Err(ToolTableError::Letter(line, letter));
         }
-        let value = number::parse(digits).ok_or(ToolTableError::Number { line, letter })?;
+        let value = number::parse(digits).ok_or(ToolTableError::Number(line, letter))?;
         let length = unit.to_metres(value);
         let limited = match letter {
             'A' | 'B' | 'C' | 'I' | 'J' => value / MAX_ANGLE,

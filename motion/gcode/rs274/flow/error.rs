@@ -16,34 +16,17 @@ pub enum FlowError {
     /// More arguments than parameters.
     #[error("a subroutine takes at most {LOCAL} arguments")]
     TooManyArguments,
-    /// A label for the second time.
+    /// A label for the second time, and the line of its first use.
     #[error(
-        "label {label} is used in line {line} already: a loop or condition needs a label of its own in its subroutine"
+        "label {0} is used in line {1} already: a loop or condition needs a label of its own in its subroutine"
     )]
-    Duplicate {
-        /// The label.
-        label: String,
-        /// Line of its first use.
-        line: u32,
-    },
-    /// A subroutine for the second time.
-    #[error("subroutine {label} is defined in line {line} already")]
-    Redefined {
-        /// The label.
-        label: String,
-        /// Line of its definition.
-        line: u32,
-    },
-    /// An end, or a jump, whose loop or condition is not in work.
-    #[error("{keyword} without its beginning: no {wanted} with label {label} is open here")]
-    NotOpen {
-        /// The keyword.
-        keyword: &'static str,
-        /// The keyword that opens it.
-        wanted: &'static str,
-        /// The label.
-        label: String,
-    },
+    Duplicate(String, u32),
+    /// A subroutine for the second time, and the line of its definition.
+    #[error("subroutine {0} is defined in line {1} already")]
+    Redefined(String, u32),
+    /// An end, or a jump, whose loop or condition is not in work: its keyword, the keyword that opens it, and its label.
+    #[error("{0} without its beginning: no {1} with label {2} is open here")]
+    NotOpen(&'static str, &'static str, String),
     /// A subroutine within another.
     #[error("a subroutine cannot be defined within another: the one of line {0} is not closed")]
     Nested(u32),
@@ -60,14 +43,9 @@ pub enum FlowError {
         "subroutine {0} mixes two styles: sub goes with call and endsub, O and a number go with M98 and M99"
     )]
     Style(String),
-    /// The end of the file within a part that is skipped or repeated.
-    #[error("the file ends before the {keyword} of label {label} that this line needs")]
-    NotClosed {
-        /// Keyword that is missing.
-        keyword: &'static str,
-        /// Label of it.
-        label: String,
-    },
+    /// The end of the file within a part that is skipped or repeated: the keyword that is missing, and its label.
+    #[error("the file ends before the {0} of label {1} that this line needs")]
+    NotClosed(&'static str, String),
     /// Loops without end.
     #[error(
         "endless: loops and calls have jumped {0} times, the most that are allowed (--max-jumps)"
@@ -93,12 +71,7 @@ pub enum FlowError {
     /// The message (ABORT, ...).
     #[error("the program ends itself: {0}")]
     Abort(String),
-    /// The file of a subroutine cannot be read.
-    #[error("the file of subroutine {label} cannot be read: {cause}")]
-    File {
-        /// Name of the subroutine.
-        label: String,
-        /// Reason of the system.
-        cause: String,
-    },
+    /// The file of a subroutine cannot be read: its name, and the reason of the system.
+    #[error("the file of subroutine {0} cannot be read: {1}")]
+    File(String, String),
 }

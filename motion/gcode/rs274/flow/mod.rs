@@ -173,10 +173,7 @@ impl Flow {
 
     /// Error of a file that ends here, if it must not, with the line to point at, and what follows from it.
     pub(super) fn at_end(&mut self) -> Option<(FlowError, u32, Effect)> {
-        let not_closed = |keyword, label: &Label| {
-            let label = label.to_string();
-            FlowError::NotClosed { keyword, label }
-        };
+        let not_closed = |keyword, label: &Label| FlowError::NotClosed(keyword, label.to_string());
         let (error, line) = match (self.search.take(), self.calls.last()) {
             (Some(Search { label, until: Sub | Program, from }), _) => {
                 (FlowError::NotFound(label.to_string()), from)
@@ -321,11 +318,8 @@ impl Flow {
         kinds: &[Keyword],
     ) -> Result<Open, FlowError> {
         let found = self.find(label, kinds).and_then(|found| self.open.drain(found..).next());
-        found.ok_or_else(|| FlowError::NotOpen {
-            keyword: keyword.name(),
-            wanted: if let [kind] = kinds { kind.name() } else { "while or do" },
-            label: label.to_string(),
-        })
+        let wanted = if let [kind] = kinds { kind.name() } else { "while or do" };
+        found.ok_or_else(|| FlowError::NotOpen(keyword.name(), wanted, label.to_string()))
     }
 
     fn jump(&mut self, to: Spot) -> Result<(), FlowError> {
@@ -351,7 +345,7 @@ impl Flow {
         if first == at {
             return Ok(());
         }
-        Err(FlowError::Duplicate { label: label.to_string(), line: first.behind().line })
+        Err(FlowError::Duplicate(label.to_string(), first.behind().line))
     }
 
     fn define(&mut self, label: Label, style: Keyword, at: Spot) -> Result<Effect, FlowError> {
@@ -372,8 +366,7 @@ impl Flow {
         }
         self.seek(label.clone(), EndSub, at);
         if let Some((known, _)) = self.subs.get(&label) {
-            let line = known.behind().line;
-            return Err(FlowError::Redefined { label: label.to_string(), line });
+            return Err(FlowError::Redefined(label.to_string(), known.behind().line));
         }
         self.subs.insert(label, (at, style));
         Ok(Effect::None)
