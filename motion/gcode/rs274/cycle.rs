@@ -291,10 +291,7 @@ impl State {
             match block.get(letter) {
                 Some(value) => *before = value,
                 None if goes_on || optional => {}
-                None => {
-                    let letter = letter.as_char();
-                    return Err(DecodeError::MissingWord { motion, letter });
-                }
+                None => return Err(DecodeError::missing(format!("G{motion}"), letter.as_char())),
             }
             Ok(())
         };

@@ -367,7 +367,7 @@ impl<R: BufRead> Decoder<R> {
         match effect {
             Effect::None => {}
             Effect::Enter { arguments, unknown } => {
-                let saved = self.state.parameters.enter(arguments.as_deref());
+                let saved = self.state.parameters.enter(arguments);
                 self.flow.save(saved);
                 let Some(label) = unknown else { return };
                 match self.source.open(label.text()) {
@@ -376,7 +376,7 @@ impl<R: BufRead> Decoder<R> {
                     Ok(None) => {}
                     Err(cause) => {
                         let (label, cause) = (label.to_string(), cause.to_string());
-                        self.out.error(None, FlowError::File { label, cause }.into());
+                        self.out.error(None, FlowError::File(label, cause).into());
                     }
                 }
             }

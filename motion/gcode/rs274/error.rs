@@ -153,20 +153,6 @@ pub enum DecodeError {
     /// G93 and a canned cycle.
     #[error("canned cycles cannot be used with inverse time (G93)")]
     InverseTimeCycle,
-    /// G4 without P.
-    #[error("G4 needs the time P in seconds")]
-    MissingDwell,
-    /// An M function without a word it needs.
-    #[error("M{m} needs {letter}: {}", purpose(*letter))]
-    MissingMWord {
-        /// Number of the M function.
-        m: u16,
-        /// Letter of the word.
-        letter: char,
-    },
-    /// M66 without P and E.
-    #[error("M66 needs the number of its input: P if it is digital, E if it is analog")]
-    WaitWithoutInput,
     /// M66 with P and E.
     #[error("M66 reads one input: either the digital one of P or the analog one of E")]
     WaitForTwoInputs,
@@ -197,9 +183,6 @@ pub enum DecodeError {
     /// G5 or G5.1 with G18 or G19.
     #[error("G5 and G5.1 make curves in X and Y: select their plane with G17 first")]
     SplineOutsideXy,
-    /// A control point without P.
-    #[error("each control point of G5.2 needs its weight P")]
-    MissingWeight,
     /// P alone within a NURBS.
     #[error(
         "P without X and Y is the weight of the first control point: write it in the block that begins the curve"
@@ -229,9 +212,6 @@ pub enum DecodeError {
     /// Too many control points.
     #[error("a curve of G5.2 has at most {0} control points: divide it")]
     ManyControlPoints(usize),
-    /// G53 without G0 or G1.
-    #[error("G53 needs G0 or G1")]
-    MachineFrameWithoutLine,
     /// G53 and G91.
     #[error("G53 cannot be used with incremental distances (G91)")]
     MachineFrameIncremental,
@@ -253,13 +233,13 @@ pub enum DecodeError {
     /// G43 without a tool table. A warning.
     #[error("without a tool table the length of tool {0} is assumed to be 0")]
     NoToolTable(u32),
-    /// A canned cycle, thread or G96 without a word it needs.
-    #[error("G{motion} needs {letter}")]
+    /// A code without a word that it needs.
+    #[error("{code} needs {word}")]
     MissingWord {
-        /// The number after G.
-        motion: f64,
-        /// Letter of the word.
-        letter: char,
+        /// G or M word.
+        code: String,
+        /// The missing word and its purpose.
+        word: String,
     },
     /// A word of a canned cycle, of a thread or of M19 that is not more than its limit.
     #[error("{letter} of {code} is {}, it must be more than {}", Short(*value), Short(*limit))]
@@ -333,9 +313,6 @@ pub enum DecodeError {
         /// Number of the tool.
         tool: u32,
     },
-    /// G41.1 or G42.1 without D.
-    #[error("G{0} needs the diameter D of the tool")]
-    MissingDiameter(f64),
     /// A lathe tool in another plane than that of X and Z.
     #[error("G{word} needs the plane G18 for the orientation {orientation} of a lathe tool")]
     LatheToolPlane {
@@ -488,39 +465,20 @@ pub enum DecodeError {
         /// Half the distance from start to end in the plane, mm.
         half_chord_mm: f64,
     },
-    /// Start or end is at the centre.
+    /// Start or end is at the centre: their distances from it, mm.
     #[error(
         "the radius of the arc is zero: {} mm at its start, {} mm at its end",
-        Short(*start_radius_mm),
-        Short(*end_radius_mm)
+        Short(.0[0]),
+        Short(.0[1])
     )]
-    ZeroRadius {
-        /// Distance of the start from the centre, mm.
-        start_radius_mm: f64,
-        /// Distance of the end from the centre, mm.
-        end_radius_mm: f64,
-    },
-    /// Start and end are not on one circle.
+    ZeroRadius([f64; 2]),
+    /// Start and end are not on one circle: their distances from the centre, mm.
     #[error(
         "start and end are not on one circle: {} mm and {} mm from the centre",
-        Short(*start_radius_mm),
-        Short(*end_radius_mm)
+        Short(.0[0]),
+        Short(.0[1])
     )]
-    CenterMismatch {
-        /// Distance of the start from the centre, mm.
-        start_radius_mm: f64,
-        /// Distance of the end from the centre, mm.
-        end_radius_mm: f64,
-    },
-}
-
-/// Purpose of a word of an M function, in words.
-fn purpose(letter: char) -> &'static str {
-    match letter {
-        'P' => "the number of the digital output",
-        'E' => "the number of the analog output",
-        _ => "the value of the analog output",
-    }
+    CenterMismatch([f64; 2]),
 }
 
 /// State in which a probing move must not begin, in words.
@@ -536,6 +494,12 @@ fn lacking(probing: Probing) -> &'static str {
     match probing.trips {
         ProbeTrip::Touch => "touching anything",
         ProbeTrip::Release => "coming free",
+    }
+}
+
+impl DecodeError {
+    pub(super) fn missing(code: impl Into<String>, word: impl Into<String>) -> Self {
+        Self::MissingWord { code: code.into(), word: word.into() }
     }
 }
 
@@ -555,9 +519,9 @@ impl TextError for DecodeError {
             | Self::RadiusWithoutEnd
             | Self::RadiusWithoutChord
             | Self::RadiusTooSmall { .. }
-            | Self::ZeroRadius { .. }
+            | Self::ZeroRadius(_)
             | Self::Offset(OffsetError::RotatedArc(_))
-            | Self::CenterMismatch { .. } => Rule::ArcGeometry,
+            | Self::CenterMismatch(_) => Rule::ArcGeometry,
             Self::CompensationRadius { .. } | Self::CompensationGouge { .. } => {
                 Rule::CompensationGouge
             }

@@ -97,14 +97,14 @@ impl<'a> Lexer<'a> {
         self.problem(start, self.at.max(start + 1), error.into())
     }
 
-    /// Where `text`, in upper case, ends if it is here.
-    pub(super) fn end_of(&self, text: &[u8]) -> Option<usize> {
+    /// Where `text` ends if it is here, in whatever case.
+    pub(super) fn end_of(&self, text: &str) -> Option<usize> {
         let mut at = self.at;
-        for byte in text {
+        for byte in text.bytes() {
             while self.line.get(at).is_some_and(|byte| is_blank(*byte)) {
                 at += 1;
             }
-            if self.line.get(at)?.to_ascii_uppercase() != *byte {
+            if !self.line.get(at)?.eq_ignore_ascii_case(&byte) {
                 return None;
             }
             at += 1;

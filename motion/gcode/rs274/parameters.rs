@@ -24,6 +24,9 @@ pub(super) const LAST: u16 = 5602;
 /// Number of parameters that are local to a subroutine, from 1 on.
 pub(super) const LOCAL: usize = 30;
 
+/// Their values.
+pub(super) type Locals = Box<[f64; LOCAL]>;
+
 /// Error of a parameter.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ParameterError {
@@ -119,23 +122,24 @@ impl Parameters {
     }
 
     /// Begins a subroutine; its arguments if it has any of its own. Returns the parameters to be restored at its end.
-    pub(super) fn enter(&mut self, arguments: Option<&[f64; LOCAL]>) -> Option<Box<[f64; LOCAL]>> {
+    pub(super) fn enter(&mut self, arguments: Option<Locals>) -> Option<Locals> {
         self.local.push(Names::new());
-        let arguments = arguments?;
-        let locals = self.numbered.get_mut(1..=LOCAL)?;
-        let saved: Box<[f64; LOCAL]> = Box::new(<[f64; LOCAL]>::try_from(&*locals).ok()?);
-        locals.copy_from_slice(arguments);
-        Some(saved)
+        self.exchange(arguments)
     }
 
     /// Ends a subroutine.
-    pub(super) fn leave(&mut self, saved: Option<Box<[f64; LOCAL]>>) {
+    pub(super) fn leave(&mut self, saved: Option<Locals>) {
         if self.local.len() > 1 {
             self.local.pop();
         }
-        if let (Some(saved), Some(locals)) = (saved, self.numbered.get_mut(1..=LOCAL)) {
-            locals.copy_from_slice(&*saved);
-        }
+        self.exchange(saved);
+    }
+
+    /// Replaces the numbered local parameters, if `values` are any; returns those before.
+    fn exchange(&mut self, values: Option<Locals>) -> Option<Locals> {
+        let mut values = values?;
+        self.numbered.get_mut(1..=LOCAL)?.swap_with_slice(&mut *values);
+        Some(values)
     }
 
     /// Number of subroutines in work.

@@ -3,6 +3,7 @@
 
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
+use super::input_output::rounded;
 use super::offsets::{AxisValues, sum};
 use super::options::Position;
 use super::output::Output;
@@ -23,27 +24,16 @@ pub enum OffsetError {
     /// G10 L0 with a tool in the spindle.
     #[error("G10 L0 needs an empty spindle, but tool {0} is in it; program T0 M6 before it")]
     LoadedTool(u32),
-    /// G10 without P.
-    #[error(
-        "G10 L{0} needs P: the number of the tool, or of the coordinate system (1 for G54 to 9 for G59.3, 0 for the one in force)"
-    )]
-    MissingP(u32),
     /// G10 for a tool without anything to set.
     #[error(
         "G10 L{0} sets nothing; add an axis word, R (radius), I and J (angles) or Q (orientation)"
     )]
     NothingToSet(u32),
-    /// G43.2 without H.
-    #[error("G43.2 needs H, the tool whose offset is added")]
-    MissingH,
     /// G43.2 with axis words.
     #[error(
         "{0} cannot be used with G43.2, which takes only H; give offsets in axis words with G43.1"
     )]
     AxisWithH(char),
-    /// M61 without Q.
-    #[error("M61 needs Q, the number of the tool in the spindle (0 = none)")]
-    MissingQ,
     /// An arc in G18 or G19 in a rotated coordinate system.
     #[error(
         "arcs in G18 and G19 are not supported in a coordinate system that is rotated by {} degrees; use G17, or a system without rotation (G10 L2 R0)",
@@ -73,7 +63,7 @@ impl State {
     }
 
     /// The number of a word that is a length, m.
-    fn length(&self, block: &Block, letter: Letter) -> Result<Option<f64>, Problem> {
+    pub(super) fn length(&self, block: &Block, letter: Letter) -> Result<Option<f64>, Problem> {
         let metres = block.get(letter).map(|length| self.units.to_metres(length));
         limited(block, letter, metres, MAX_LENGTH, " m")
     }
@@ -122,7 +112,7 @@ impl State {
 
     /// G10.
     fn set_data(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        let kind = block.whole(Letter::L, 0).map_err(|error| at(block, Letter::L, error))?;
+        let kind = block.whole_at(Letter::L, 0)?;
         match kind {
             // Reads the tool table again, which nobody has changed.
             Some(0) if self.tool != 0 => {
@@ -137,7 +127,7 @@ impl State {
 
     /// G10 L2 and L20.
     fn set_system_data(&mut self, l: u32, block: &Block) -> Result<(), Problem> {
-        let system = digit(block, Letter::P)?.ok_or(DecodeError::from(OffsetError::MissingP(l)))?;
+        let system = digit(block, Letter::P)?.ok_or_else(|| missing_number(l))?;
         let unused =
             if l == 2 { &[Letter::I, Letter::J][..] } else { &[Letter::I, Letter::J, Letter::R] };
         for letter in unused {
@@ -161,8 +151,8 @@ impl State {
     fn set_tool_data(&mut self, l: u32, block: &Block, out: &mut Output) -> Result<(), Problem> {
         const USED: Letters =
             Letters::AXES.with(Letters::of(&[Letter::I, Letter::J, Letter::Q, Letter::R]));
-        let number = block.whole(Letter::P, 1).map_err(|error| at(block, Letter::P, error))?;
-        let number = number.ok_or(DecodeError::from(OffsetError::MissingP(l)))?;
+        let number = block.whole_at(Letter::P, 1)?;
+        let number = number.ok_or_else(|| missing_number(l))?;
         let mut tool = self.find_tool(number, Letter::P, block, out)?;
         if !block.letters().meets(USED) {
             return Err(DecodeError::from(OffsetError::NothingToSet(l)).into());
@@ -231,8 +221,9 @@ impl State {
         block: &Block,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        let number = block.whole(Letter::Q, 0).map_err(|error| at(block, Letter::Q, error))?;
-        let number = number.ok_or(DecodeError::from(OffsetError::MissingQ))?;
+        let number = rounded(block, Letter::Q)?.ok_or_else(|| {
+            DecodeError::missing("M61", "Q, the number of the tool in the spindle (0 = none)")
+        })?;
         self.find_tool(number, Letter::Q, block, out)?;
         self.load_tool(number);
         Ok(())
@@ -245,7 +236,7 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         let Some(kind) = block.g.tool_length else { return Ok(()) };
-        let named = block.whole(Letter::H, 0).map_err(|error| at(block, Letter::H, error))?;
+        let named = block.whole_at(Letter::H, 0)?;
         let mut offset = *self.offsets.tool();
         match kind {
             ToolLength::Off => offset = Position::default(),
@@ -261,7 +252,9 @@ impl State {
                     let error = OffsetError::AxisWithH(letter.as_char());
                     return Err(at(block, letter, error.into()));
                 }
-                let number = named.ok_or(DecodeError::from(OffsetError::MissingH))?;
+                let number = named.ok_or_else(|| {
+                    DecodeError::missing("G43.2", "H, the tool whose offset is added")
+                })?;
                 let number = if number == 0 { self.tool } else { number };
                 let tool = self.find_tool(number, Letter::H, block, out)?.position();
                 offset = sum(&offset, &tool);
@@ -285,14 +278,16 @@ fn at(block: &Block, letter: Letter, error: DecodeError) -> Problem {
     Problem { columns: block.get(letter).and_then(|_| block.columns(letter)), error }
 }
 
+fn missing_number(l: u32) -> DecodeError {
+    let system = "of the coordinate system (1 for G54 to 9 for G59.3, 0 for the one in force)";
+    DecodeError::missing(format!("G10 L{l}"), format!("P: the number of the tool, or {system}"))
+}
+
 /// The number of a word that takes whole numbers from 0 to 9.
 fn digit(block: &Block, letter: Letter) -> Result<Option<u32>, Problem> {
-    let found = block.whole(letter, 0).map_err(|error| at(block, letter, error))?;
+    let found = block.whole_at(letter, 0)?;
     if found.is_some_and(|value| value > MAX_DIGIT) {
-        let value = block.get(letter).unwrap_or_default();
-        let (letter_name, max) = (letter.as_char(), f64::from(MAX_DIGIT));
-        let error = DecodeError::OutOfRange { letter: letter_name, value, min: 0.0, max, unit: "" };
-        return Err(at(block, letter, error));
+        State::in_range(block, letter, f64::from(MAX_DIGIT))?;
     }
     Ok(found)
 }

@@ -62,7 +62,7 @@ impl State {
         let speed = Self::in_range(block, Letter::S, MAX_SPEED)?;
         match block.g.surface_speed {
             Some(true) if speed.is_none() => {
-                return Err(DecodeError::MissingWord { motion: 96.0, letter: 'S' }.into());
+                return Err(DecodeError::missing("G96", 'S').into());
             }
             Some(true) => {
                 let limit = block.get(Letter::D).map_or(f64::INFINITY, f64::abs);

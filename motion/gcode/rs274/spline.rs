@@ -133,7 +133,7 @@ impl State {
             return Err(Problem { columns, error: DecodeError::WeightOfStart });
         }
         if weight.is_none() && (self.nurbs.is_some() || corner.is_some()) {
-            return Err(DecodeError::MissingWeight.into());
+            return Err(DecodeError::missing("each control point of G5.2", "its weight P").into());
         }
         Self::in_range(block, Letter::L, MAX_ORDER)?;
         let order = block.whole_at(Letter::L, 0)?.unwrap_or(0);

@@ -230,7 +230,9 @@ impl State {
         self.set_feed(block)?;
         self.set_tool_and_speed(block, out)?;
         if block.g.one_shot == Some(OneShot::Dwell) {
-            let seconds = block.get(Letter::P).ok_or(DecodeError::MissingDwell)?;
+            let seconds = block
+                .get(Letter::P)
+                .ok_or_else(|| DecodeError::missing("G4", "the time P in seconds"))?;
             self.dwell(seconds, out)?;
         }
         self.set_modes(block);
@@ -413,7 +415,7 @@ impl State {
         }
         if block.g.one_shot == Some(OneShot::MachineFrame) {
             if !matches!(motion, Some(Motion::Rapid | Motion::Line)) {
-                return Err(DecodeError::MachineFrameWithoutLine.into());
+                return Err(DecodeError::missing("G53", "G0 or G1").into());
             }
             if block.g.relative.unwrap_or(self.relative) {
                 return Err(DecodeError::MachineFrameIncremental.into());
