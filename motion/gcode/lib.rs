@@ -28,6 +28,7 @@
 pub mod decode;
 pub mod din66025;
 pub mod info;
+mod lines;
 mod number;
 pub mod refeed;
 pub mod rs274;

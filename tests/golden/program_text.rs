@@ -245,3 +245,63 @@ fn ambiguous_paths_by_position() {
         program(middle).ended(0, "ambiguous-position").ended(0, "line 4 (N30)").ended(0, said);
     }
 }
+
+/// Message and hint of every finding of a control.
+fn of_control(report: &Value) -> Vec<String> {
+    let findings = report["findings"].as_array().expect("a list").iter();
+    findings
+        .filter(|one| one["rule"] == "control")
+        .map(|one| format!("{} {}", one["severity"], one["message"]).replace('"', ""))
+        .collect()
+}
+
+/// What a control refuses is an error, what it passes over a warning; the machine file may name the control.
+#[test]
+fn programs_for_a_control() {
+    let desk = Desk::new();
+    desk.write("part.nc", "G21 F600\nG0 X10\nG81 X20 Z-1 R0\nX30\nG80\nM1\n");
+    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("a machine");
+    let machine = machine.replace("[rs274]", "[rs274]\ncontrol = \"grbl\"");
+    desk.write("grbl.toml", &machine);
+    let expected = ["error grbl refuses G81", "warning grbl passes over M1: optional stops"]
+        .map(str::to_owned);
+    for arguments in ["-m machine.toml --for grbl", "-m grbl.toml"] {
+        let done = desk.twin(&format!("check part.nc {arguments} --format json"));
+        assert_eq!(of_control(&done.ended(1, "").object()), expected, "{arguments}");
+    }
+    // The option is the stronger one; the program of the machine's control has no end, which LinuxCNC refuses.
+    let done = desk.twin("check part.nc -m grbl.toml --for linuxcnc --format json");
+    let report = done.ended(1, "").object();
+    assert_eq!(found(&report), [syntax("error", 6)]);
+    let done = desk.twin("check part.nc -m machine.toml --for grbl");
+    let hint = "`twin path PROGRAM --for grbl --format rs274` writes it without this word";
+    assert!(done.ended(1, "").stderr.contains(hint), "{}", done.stderr);
+    desk.write("part.cnc", "%\nN10 G1 X10 F50 E500 E-500\n");
+    let done = desk.twin("check part.cnc -m machine.toml --for grbl");
+    done.ended(2, "grbl does not read DIN 66025");
+    desk.twin("check part.cnc -m machine.toml --strict")
+        .ended(2, "--strict is for programs in RS274");
+    desk.twin("check part.nc -m machine.toml --for siemens").ended(2, "softmotion");
+}
+
+/// What LinuxCNC refuses and shops run is one warning of a kind, or an error with `--strict`.
+#[test]
+fn lenient_and_strict() {
+    let desk = Desk::new();
+    desk.write("shop.nc", "G21\nX10\nX11\nG1 X12\nX13\nG2 X15 I1 K3\nM10\nM10\n");
+    let warnings = [2, 4, 6, 7, 8].map(|line| {
+        let rule = match line {
+            6 => "arc-geometry",
+            7 => "unsupported-word",
+            _ => "syntax",
+        };
+        (rule.to_owned(), "warning".to_owned(), line)
+    });
+    assert_eq!(found(&check(&desk, "shop.nc", 0)), warnings);
+    let done = desk.twin("check shop.nc -m machine.toml --strict --format json");
+    let report = done.ended(1, "").object();
+    let lines: Vec<_> =
+        found(&report).into_iter().map(|(_, severity, line)| (severity, line)).collect();
+    let error = |line| ("error".to_owned(), line);
+    assert_eq!(lines, [2, 3, 4, 6, 7, 8, 8].map(error));
+}

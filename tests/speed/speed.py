@@ -12,6 +12,8 @@ of Python. A dash: the peer is not installed. Times are user time, s: the least 
 - "info", "check" and "limit" are `twin path --format info`, `twin check --limits programmed` and `twin limit`; "default check"
   is `twin check` within the limits of the axes. "no jerk" leaves out the jerk limits of the machine file.
 - "× real time": duration of a program divided by the additional time of `--physics`.
+- "Decoding" has generated programs: plain G1 lines, lines with expressions, and a loop; lines/s of the decoder alone
+  (`cargo build --release -p twin-gcode --example rs274_speed`) and of `rs274 -g`.
 - "Length" has programs of 1,000 and 1,000,000 lines: lines/s of `twin check --limits programmed`, and its memory.
 """
 
@@ -144,6 +146,27 @@ def of_machines(twin: pathlib.Path, home: pathlib.Path) -> None:
     table("Ten lines", ["machine", "check, ms", "physics, × real time"], rows)
 
 
+def of_decoding(twin: pathlib.Path, home: pathlib.Path) -> None:
+    decoder = twin.parent / "examples/rs274_speed"
+    plain = [f"G1 X{100 + number % 7 * 5}.{number % 10} Y{100 + number % 11 * 3}" for number in range(LINES)]
+    expressions = []
+    for number in range(LINES // 5):
+        expressions += [f"#1=[{number % 360}*3.5+#<r>/2]",
+                        f"G1 X[#<r>*COS[#1]+{number % 10}] Y[#<r>*SIN[#1]-ABS[#1 MOD 7]]"]
+    passes = LINES // 10
+    loop = ["#1=0", f"o1 while [#1 LT {passes}]", "G1 X[#<r>*COS[#1]] Y[#<r>*SIN[#1]]", "#1=[#1+1]", "o1 endwhile"]
+    rows = []
+    for name, lines, count in [("plain G1", plain, LINES), ("expressions", expressions, len(expressions)),
+                               ("loop", loop, 4 * passes)]:
+        program = home / "decoded.ngc"
+        program.write_text("\n".join(["G21 G90 F6000", "#<r>=50", *lines, "M2"]) + "\n")
+        ours = user_s([decoder, program]) if decoder.exists() else None
+        peer = user_s(["rs274", "-g", program], env={**os.environ, "HOME": str(home)}) if shutil.which("rs274") else None
+        rates = ["–" if seconds is None else f"{count / seconds:,.0f}" for seconds in (ours, peer)]
+        rows.append([name, f"{count:,}", *rates, f"{peer / ours:.1f}" if ours and peer else "–"])
+    table("Decoding, lines/s", ["program", "lines", "twin", "rs274", "ratio"], rows)
+
+
 def of_length(twin: pathlib.Path, home: pathlib.Path) -> None:
     program = home / "long.ngc"
     rows = []
@@ -175,6 +198,7 @@ def main() -> None:
         of_programs(twin, programs, pathlib.Path(home))
         of_drawings(twin, drawings, ezdxf_python(peers))
         of_machines(twin, pathlib.Path(home))
+        of_decoding(twin, pathlib.Path(home))
         of_length(twin, pathlib.Path(home))
 
 

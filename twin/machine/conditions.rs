@@ -7,7 +7,7 @@ use crate::text::Text;
 use crate::tool_table;
 use std::path::Path;
 use std::sync::Arc;
-use twin_gcode::rs274::{self, LengthUnit, ParameterFile, ParameterFileError, Position};
+use twin_gcode::rs274::{self, Control, LengthUnit, ParameterFile, ParameterFileError, Position};
 use twin_path::ExtraPosition;
 use twin_path::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
 
@@ -132,9 +132,8 @@ pub(super) fn read(root: &Section<'_>, file: &Path, has_drives: bool) -> Program
     program.finish();
 
     let start = start.map(|value| value * 1e-3);
-    let [a, b, c, _, _] = start_additional;
     let rs274 = rs274::DecoderOptions {
-        start: Position { linear: start, rotary: [a, b, c] },
+        start: Position::new(start, start_additional),
         ..read_rs274(&root.section("rs274"), file, has_drives, &defaults.rs274)
     };
     let preparation = read_preparation(&root.section("preparation"));
@@ -205,6 +204,7 @@ fn read_rs274(
         }
         read.ok()
     });
+    let controls = Control::ALL.map(|control| (control.name(), control));
     let tool = section.integer("tool", 0..=99_999).unwrap_or(0);
     let settle = section.number("probe_settle_s", 0.0..=60.0);
     let settle = settle.unwrap_or(if has_drives { PROBE_SETTLE_S } else { 0.0 });
@@ -221,6 +221,7 @@ fn read_rs274(
         tools,
         parameters: parameters.unwrap_or_default(),
         tool: u32::try_from(tool).unwrap_or(0),
+        control: section.choice("control", &controls),
         probe_settle_ns,
         ..defaults.clone()
     };

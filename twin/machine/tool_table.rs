@@ -8,6 +8,7 @@
 //! length_mm = 42.0          # what G43 adds to Z
 //! offset_mm = [0.0, 0.0]    # what G43 adds to X and Y
 //! rotary_offset_deg = [0.0, 0.0, 0.0]  # what G43 adds to A, B and C
+//! parallel_offset_mm = [0.0, 0.0, 0.0] # what G43 adds to U, V and W
 //! orientation = 2           # of a lathe tool, 1 to 9; 0: a mill
 //! front_angle_deg = 95.0
 //! back_angle_deg = 155.0
@@ -90,6 +91,7 @@ fn tool(section: &Section<'_>, numbers: &mut BTreeSet<u32>) -> Option<Tool> {
     let metres = |key| section.number(key, LENGTH_MM).unwrap_or_default() * 1e-3;
     let angle = |key| section.number(key, ANGLE_DEG).unwrap_or_default();
     let [x, y] = section.numbers::<2>("offset_mm", LENGTH_MM).unwrap_or_default();
+    let parallel = section.numbers::<3>("parallel_offset_mm", LENGTH_MM).unwrap_or_default();
     let orientation = section.integer("orientation", 0..=9).unwrap_or_default();
     section.integer("pocket", NUMBER);
     section.text("comment");
@@ -97,6 +99,7 @@ fn tool(section: &Section<'_>, numbers: &mut BTreeSet<u32>) -> Option<Tool> {
         number: number.unwrap_or_default(),
         offset: [x * 1e-3, y * 1e-3, metres("length_mm")],
         rotary_offset: section.numbers("rotary_offset_deg", ANGLE_DEG).unwrap_or_default(),
+        parallel_offset: parallel.map(|length| length * 1e-3),
         diameter: metres("diameter_mm"),
         front_angle: angle("front_angle_deg"),
         back_angle: angle("back_angle_deg"),

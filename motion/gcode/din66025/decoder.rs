@@ -7,10 +7,11 @@ use super::output::Output;
 use super::state::{JumpTo, State};
 use super::variables::Variables;
 use super::word::Word;
+use crate::lines::read_line;
 use nalgebra::Point3;
 use std::collections::BTreeMap;
 use std::fmt;
-use std::io::{self, BufRead, Read, Seek};
+use std::io::{self, BufRead, Seek};
 use std::iter::FusedIterator;
 use std::ops::Range;
 use twin_path::ExtraPosition;
@@ -162,7 +163,9 @@ impl<R: BufRead> Decoder<R> {
 
     /// Reads the next line; false at the end of the program.
     fn read_line(&mut self) -> io::Result<bool> {
-        let Some(length) = read_line(&mut self.reader, &mut self.line)? else { return Ok(false) };
+        let Some(length) = read_line(&mut self.reader, MAX_LINE_BYTES, &mut self.line)? else {
+            return Ok(false);
+        };
         self.next.offset = self.next.offset.saturating_add(length);
         self.next.lines = self.next.lines.saturating_add(1);
         self.out.place = Place { line: self.next.lines, block: None };
@@ -219,7 +222,7 @@ impl<R: BufRead> Decoder<R> {
         let mut begun = false;
         loop {
             let at = self.next;
-            let Some(length) = read_line(&mut self.reader, &mut self.line)? else {
+            let Some(length) = read_line(&mut self.reader, MAX_LINE_BYTES, &mut self.line)? else {
                 return Ok(None);
             };
             self.next.offset = self.next.offset.saturating_add(length);
@@ -256,7 +259,7 @@ impl<R: BufRead> Decoder<R> {
         self.ended = true;
         self.state.finish(&mut self.out);
         let mut error = DecodeError::ClosingPercent;
-        while read_line(&mut self.reader, &mut self.line)?.is_some() {
+        while read_line(&mut self.reader, MAX_LINE_BYTES, &mut self.line)?.is_some() {
             if !self.line.trim_ascii().is_empty() {
                 error = DecodeError::LinesBehindPercent;
                 break;
@@ -366,22 +369,6 @@ fn is_closing(line: &[u8]) -> bool {
     line.trim_ascii() == b"%"
 }
 
-/// Reads a line and its end, at most one byte more than [`MAX_LINE_BYTES`] of it into `line`. Its length in the file;
-/// none at the end.
-fn read_line(reader: &mut impl BufRead, line: &mut Vec<u8>) -> io::Result<Option<u64>> {
-    line.clear();
-    let limit = MAX_LINE_BYTES as u64 + 1;
-    let read = reader.by_ref().take(limit).read_until(b'\n', line)?;
-    if read == 0 {
-        return Ok(None);
-    }
-    let mut length = read as u64;
-    if line.len() > MAX_LINE_BYTES && line.last() != Some(&b'\n') {
-        length = length.saturating_add(skip_line(reader)?);
-    }
-    Ok(Some(length))
-}
-
 /// The number of the N word with which a line begins, `/`, blanks and comments before it left out.
 fn block_number(line: &[u8], is_first: bool, skip_suppressed: bool) -> Option<u32> {
     let line = if is_first { line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line) } else { line };
@@ -392,23 +379,5 @@ fn block_number(line: &[u8], is_first: bool, skip_suppressed: bool) -> Option<u3
         (_, b'/') if skip_suppressed => None,
         (begin, b'/') => lexer::block_number(line, begin + 1),
         (begin, _) => lexer::block_number(line, begin),
-    }
-}
-
-/// Reads up to the end of the line without keeping it; how much that was.
-fn skip_line(reader: &mut impl BufRead) -> io::Result<u64> {
-    let mut skipped: u64 = 0;
-    loop {
-        let buffer = match reader.fill_buf() {
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
-            other => other?,
-        };
-        let end = buffer.iter().position(|byte| *byte == b'\n');
-        let length = end.map_or(buffer.len(), |end| end + 1);
-        reader.consume(length);
-        skipped = skipped.saturating_add(length as u64);
-        if end.is_some() || length == 0 {
-            return Ok(skipped);
-        }
     }
 }

@@ -110,16 +110,16 @@ impl Ends {
         let center = self.in_plane(center);
         let (from, to) = (start - center, end - center);
         let radii = [from.norm(), to.norm()];
-        let [start_radius_mm, end_radius_mm] = radii.map(|radius| radius * 1e3);
+        let radii_mm = radii.map(|radius| radius * 1e3);
         let (smaller, larger) = (radii[0].min(radii[1]), radii[0].max(radii[1]));
         if smaller < SMALL {
-            return Err(DecodeError::ZeroRadius { start_radius_mm, end_radius_mm });
+            return Err(DecodeError::ZeroRadius(radii_mm));
         }
         let (difference, spiral) = (larger - smaller, spiral(units));
         if difference > 100.0 * spiral
             || (difference > spiral && difference > SPIRAL_RELATIVE * larger)
         {
-            return Err(DecodeError::CenterMismatch { start_radius_mm, end_radius_mm });
+            return Err(DecodeError::CenterMismatch(radii_mm));
         }
         // The cross product with the chord equals that with `to` and keeps its digits on short arcs.
         let chord = end - start;

@@ -1,8 +1,10 @@
 //! Decoder: reads a program line by line.
 
-use super::block::Block;
+use super::block::{Block, Letter};
+use super::control;
 use super::error::{DecodeError, Failure, Item, Problem};
 use super::flow::{Control, Effect, Flow, FlowError, Keyword};
+use super::leniency::Leniency;
 use super::lexer::{self, Lexer};
 use super::options::{DecoderOptions, PathMode, Position};
 use super::output::Output;
@@ -14,6 +16,9 @@ use twin_path::Place;
 
 /// The longest line that is read, its end included, bytes.
 pub const MAX_LINE_BYTES: usize = 1 << 16;
+
+/// The same where LinuxCNC is obeyed.
+const STRICT_LINE_BYTES: usize = 253;
 
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
@@ -32,6 +37,8 @@ pub struct Decoder<R> {
     program_number: Option<u32>,
     /// There was a `%`, or anything else but comments and blanks.
     begun: bool,
+    /// It was a `%`.
+    percent: bool,
     /// There was anything but comments, blanks, a `%` and an O word.
     under_way: bool,
     pub(super) ended: bool,
@@ -54,6 +61,7 @@ impl<R: BufRead> Decoder<R> {
             line: Vec::new(),
             program_number: None,
             begun: false,
+            percent: false,
             under_way: false,
             ended: false,
             last: Place::default(),
@@ -108,11 +116,17 @@ impl<R: BufRead> Decoder<R> {
         self.block.clear();
         let at = self.flow.next;
         match self.source.read(at, self.flow.keeps(), &mut self.line)? {
+            Reading::Line if self.state.strict && self.line.len() > STRICT_LINE_BYTES => {
+                self.arrive(at);
+                self.state.forgive_missing_feed();
+                self.out.error(None, DecodeError::LineTooLong(STRICT_LINE_BYTES));
+            }
             Reading::Line => {
                 self.arrive(at);
                 self.decode_line(at);
                 if self.ended {
                     self.state.end(&mut self.out);
+                    self.out.end();
                 }
             }
             Reading::TooLong => {
@@ -148,9 +162,24 @@ impl<R: BufRead> Decoder<R> {
             return;
         }
         self.ended = true;
-        self.out.warning(None, DecodeError::MissingEnd);
+        self.forgive(Leniency::NoEnd);
         self.out.place = self.last;
         self.state.end(&mut self.out);
+        self.out.end();
+    }
+
+    /// Says what the control does with a line of %.
+    fn note_percent(&mut self) {
+        if let Some(meant) = self.state.control {
+            control::check(meant, b"%", &Block::default(), None, &self.state, &mut self.out);
+        }
+    }
+
+    /// Passes over what LinuxCNC refuses in the line at hand, or reports it.
+    fn forgive(&mut self, leniency: Leniency) {
+        if let Err(Problem { columns, error }) = self.state.forgive(leniency, None, &mut self.out) {
+            self.out.error(columns, error);
+        }
     }
 
     fn decode_line(&mut self, at: Spot) {
@@ -164,8 +193,18 @@ impl<R: BufRead> Decoder<R> {
             None => return,
             Some(b'%') if rest.trim_ascii() == b"%" => {
                 // Those of subroutine files and of parts that are passed over mean nothing.
-                if at.file.is_none() && !self.flow.searches() {
-                    self.ended = std::mem::replace(&mut self.begun, true);
+                if at.file.is_some() || self.flow.searches() {
+                    return;
+                }
+                if !self.begun {
+                    (self.begun, self.percent) = (true, true);
+                    self.note_percent();
+                    return;
+                }
+                self.ended = true;
+                self.note_percent();
+                if !self.percent {
+                    self.forgive(Leniency::ClosingPercent);
                 }
                 return;
             }
@@ -181,6 +220,10 @@ impl<R: BufRead> Decoder<R> {
         }
         let control = lexer::lex(line, begin, &self.state, &mut self.block, &mut self.problems);
         self.out.place.block = self.block.number;
+        if let Some(meant) = self.state.control.filter(|_| self.problems.is_empty()) {
+            let keyword = control.as_ref().map(|(_, keyword, _)| *keyword);
+            control::check(meant, line, &self.block, keyword, &self.state, &mut self.out);
+        }
         if let Some((label, keyword, values)) = control {
             let control = Lexer::new(line, values, &self.state).control(label, keyword);
             match control {
@@ -203,6 +246,7 @@ impl<R: BufRead> Decoder<R> {
         for Problem { columns, error } in self.problems.drain(..) {
             self.out.error(columns, error);
         }
+        self.state.recover(&self.block, &mut self.out);
         self.ended = matches!(self.block.m.stop, Some(2 | 30));
     }
 
@@ -226,12 +270,16 @@ impl<R: BufRead> Decoder<R> {
             }
             return;
         }
+        let before = self.state.location;
         match self.state.execute(&self.block, &mut self.out) {
             Ok(true) => {}
             Ok(false) => self.ended = true,
             Err(Problem { columns, error }) => {
                 self.state.adopt(&self.block);
                 self.out.error(columns, error);
+                if self.state.location == before {
+                    self.state.recover(&self.block, &mut self.out);
+                }
                 self.ended = matches!(self.block.m.stop, Some(2 | 30));
             }
         }
@@ -239,6 +287,11 @@ impl<R: BufRead> Decoder<R> {
 
     /// Carries out M98 with the number of a subroutine and of its calls, or M99.
     fn go(&mut self, m: u16, (program, count): (u32, u32)) -> Result<(), Problem> {
+        let has_l = self.block.get(Letter::L).is_some();
+        let (program, count) = match self.state.control {
+            Some(control) => control.calls((program, count), has_l),
+            None => (program, count),
+        };
         let effect = if m == 98 {
             self.flow.call_numbered(program.into(), count)
         } else if self.flow.is_in_subroutine() {
@@ -314,7 +367,7 @@ impl<R: BufRead> Decoder<R> {
         match effect {
             Effect::None => {}
             Effect::Enter { arguments, unknown } => {
-                let saved = self.state.parameters.enter(arguments.as_deref());
+                let saved = self.state.parameters.enter(arguments);
                 self.flow.save(saved);
                 let Some(label) = unknown else { return };
                 match self.source.open(label.text()) {
@@ -323,7 +376,7 @@ impl<R: BufRead> Decoder<R> {
                     Ok(None) => {}
                     Err(cause) => {
                         let (label, cause) = (label.to_string(), cause.to_string());
-                        self.out.error(None, FlowError::File { label, cause }.into());
+                        self.out.error(None, FlowError::File(label, cause).into());
                     }
                 }
             }

@@ -1,14 +1,16 @@
 //! Decode errors and warnings, with line and columns.
 
+use super::control::ControlFinding;
 use super::expression::ExpressionError;
 use super::flow::FlowError;
+use super::leniency::Leniency;
 use super::message::Message;
 use super::parameters::ParameterError;
 use super::settings::OffsetError;
 use crate::decode;
 use crate::decode::{Rule, TextError};
 use std::ops::Range;
-use twin_number::Short;
+use twin_number::{Short, counted};
 use twin_path::{Place, ProbeTrip, Probing};
 
 /// One thing wrong with a block.
@@ -36,9 +38,28 @@ pub enum DecodeError {
     /// `(` within a comment.
     #[error("comments cannot be nested")]
     NestedComment,
-    /// The file ends, and the program does not. A warning.
+    /// The file ends, and the program does not.
     #[error("the program does not end with M2, M30 or a second %")]
     MissingEnd,
+    /// The program ends with `%` only.
+    #[error("the program ends with %, and must begin with it then")]
+    MissingPercent,
+    /// What LinuxCNC refuses and is read nevertheless. A warning.
+    #[error("{0} (LinuxCNC refuses it)")]
+    Lenient(Leniency),
+    /// What the control of the program does not take as LinuxCNC does. A warning unless it refuses it.
+    #[error("{0}")]
+    OfControl(ControlFinding),
+    /// A warning that comes again.
+    #[error("{error}; {} more, last in line {last}", counted(*more, "time"))]
+    Repeated {
+        /// The warning.
+        error: Box<DecodeError>,
+        /// How often it comes after this line.
+        more: usize,
+        /// The last line with it.
+        last: u32,
+    },
     /// A letter without its number.
     #[error("a number must follow after {0}")]
     MissingNumber(char),
@@ -98,6 +119,9 @@ pub enum DecodeError {
     /// `@` or `^` in a block that does not move, or with G28, G30, G53 or G92.
     #[error("polar coordinates (@ and ^) are for motions, and not with G28, G30, G53 or G92")]
     PolarWithoutMotion,
+    /// `@` or `^` in another plane than that of X and Y.
+    #[error("polar coordinates (@ and ^) need the plane G17: write it in a block before")]
+    PolarOutsideXy,
     /// `@` or `^` and X or Y.
     #[error("polar coordinates (@ and ^) cannot be used with X or Y in one block")]
     PolarAndCoordinate,
@@ -129,20 +153,6 @@ pub enum DecodeError {
     /// G93 and a canned cycle.
     #[error("canned cycles cannot be used with inverse time (G93)")]
     InverseTimeCycle,
-    /// G4 without P.
-    #[error("G4 needs the time P in seconds")]
-    MissingDwell,
-    /// An M function without a word it needs.
-    #[error("M{m} needs {letter}: {}", purpose(*letter))]
-    MissingMWord {
-        /// Number of the M function.
-        m: u16,
-        /// Letter of the word.
-        letter: char,
-    },
-    /// M66 without P and E.
-    #[error("M66 needs the number of its input: P if it is digital, E if it is analog")]
-    WaitWithoutInput,
     /// M66 with P and E.
     #[error("M66 reads one input: either the digital one of P or the analog one of E")]
     WaitForTwoInputs,
@@ -173,9 +183,6 @@ pub enum DecodeError {
     /// G5 or G5.1 with G18 or G19.
     #[error("G5 and G5.1 make curves in X and Y: select their plane with G17 first")]
     SplineOutsideXy,
-    /// A control point without P.
-    #[error("each control point of G5.2 needs its weight P")]
-    MissingWeight,
     /// P alone within a NURBS.
     #[error(
         "P without X and Y is the weight of the first control point: write it in the block that begins the curve"
@@ -205,9 +212,6 @@ pub enum DecodeError {
     /// Too many control points.
     #[error("a curve of G5.2 has at most {0} control points: divide it")]
     ManyControlPoints(usize),
-    /// G53 without G0 or G1.
-    #[error("G53 needs G0 or G1")]
-    MachineFrameWithoutLine,
     /// G53 and G91.
     #[error("G53 cannot be used with incremental distances (G91)")]
     MachineFrameIncremental,
@@ -229,13 +233,13 @@ pub enum DecodeError {
     /// G43 without a tool table. A warning.
     #[error("without a tool table the length of tool {0} is assumed to be 0")]
     NoToolTable(u32),
-    /// A canned cycle, thread or G96 without a word it needs.
-    #[error("G{motion} needs {letter}")]
+    /// A code without a word that it needs.
+    #[error("{code} needs {word}")]
     MissingWord {
-        /// The number after G.
-        motion: f64,
-        /// Letter of the word.
-        letter: char,
+        /// G or M word.
+        code: String,
+        /// The missing word and its purpose.
+        word: String,
     },
     /// A word of a canned cycle, of a thread or of M19 that is not more than its limit.
     #[error("{letter} of {code} is {}, it must be more than {}", Short(*value), Short(*limit))]
@@ -285,8 +289,8 @@ pub enum DecodeError {
         /// Height of the bottom.
         bottom: f64,
     },
-    /// Compensation in the plane of Y and Z.
-    #[error("G{0} needs the plane G17 or G18, not G19")]
+    /// Compensation in another plane than those of X and Y or Z and X.
+    #[error("G{0} needs the plane G17 or G18")]
     CompensationPlane(f64),
     /// Compensation that is on already.
     #[error("G{0} begins cutter radius compensation, which is on already: end it with G40 before")]
@@ -309,9 +313,6 @@ pub enum DecodeError {
         /// Number of the tool.
         tool: u32,
     },
-    /// G41.1 or G42.1 without D.
-    #[error("G{0} needs the diameter D of the tool")]
-    MissingDiameter(f64),
     /// A lathe tool in another plane than that of X and Z.
     #[error("G{word} needs the plane G18 for the orientation {orientation} of a lathe tool")]
     LatheToolPlane {
@@ -369,9 +370,33 @@ pub enum DecodeError {
     /// Offsets set by the program.
     #[error(transparent)]
     Offset(#[from] OffsetError),
-    /// A word of a second set of linear axes.
-    #[error("{0} axes are not supported; the axes are X Y Z A B C")]
-    UnsupportedAxis(char),
+    /// Both C and U, the same extra axis.
+    #[error(
+        "{second} and {first}, which the program has used before, are the same extra axis: use one of them only, or V or W in place of U"
+    )]
+    SharedAxis {
+        /// C or U, which has come first.
+        first: char,
+        /// The other one.
+        second: char,
+    },
+    /// A spindle that does not exist.
+    #[error(
+        "$ selects the spindle {}, but there is one spindle, number 0: leave $ out{}",
+        Short(*number),
+        if *takes_all { ", or write $-1 for all spindles" } else { "" }
+    )]
+    Spindle {
+        /// Number of the spindle.
+        number: f64,
+        /// -1 is all spindles.
+        takes_all: bool,
+    },
+    /// An arc in a plane of U, V and W.
+    #[error(
+        "G2 and G3 are not possible in G17.1, G18.1 and G19.1: select a plane of X, Y and Z (G17 to G19) before"
+    )]
+    ArcInParallelPlane,
     /// A letter that is not executed.
     #[error("{0} words are not supported")]
     UnsupportedLetter(char),
@@ -440,39 +465,20 @@ pub enum DecodeError {
         /// Half the distance from start to end in the plane, mm.
         half_chord_mm: f64,
     },
-    /// Start or end is at the centre.
+    /// Start or end is at the centre: their distances from it, mm.
     #[error(
         "the radius of the arc is zero: {} mm at its start, {} mm at its end",
-        Short(*start_radius_mm),
-        Short(*end_radius_mm)
+        Short(.0[0]),
+        Short(.0[1])
     )]
-    ZeroRadius {
-        /// Distance of the start from the centre, mm.
-        start_radius_mm: f64,
-        /// Distance of the end from the centre, mm.
-        end_radius_mm: f64,
-    },
-    /// Start and end are not on one circle.
+    ZeroRadius([f64; 2]),
+    /// Start and end are not on one circle: their distances from the centre, mm.
     #[error(
         "start and end are not on one circle: {} mm and {} mm from the centre",
-        Short(*start_radius_mm),
-        Short(*end_radius_mm)
+        Short(.0[0]),
+        Short(.0[1])
     )]
-    CenterMismatch {
-        /// Distance of the start from the centre, mm.
-        start_radius_mm: f64,
-        /// Distance of the end from the centre, mm.
-        end_radius_mm: f64,
-    },
-}
-
-/// Purpose of a word of an M function, in words.
-fn purpose(letter: char) -> &'static str {
-    match letter {
-        'P' => "the number of the digital output",
-        'E' => "the number of the analog output",
-        _ => "the value of the analog output",
-    }
+    CenterMismatch([f64; 2]),
 }
 
 /// State in which a probing move must not begin, in words.
@@ -491,13 +497,21 @@ fn lacking(probing: Probing) -> &'static str {
     }
 }
 
+impl DecodeError {
+    pub(super) fn missing(code: impl Into<String>, word: impl Into<String>) -> Self {
+        Self::MissingWord { code: code.into(), word: word.into() }
+    }
+}
+
 impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
-            Self::InFile { error, .. } => error.rule(),
-            Self::UnsupportedLetter(_)
-            | Self::UnsupportedAxis(_)
-            | Self::UnsupportedCode { .. } => Rule::UnsupportedWord,
+            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.rule(),
+            Self::OfControl(_) => Rule::Control,
+            Self::Lenient(leniency) => leniency.refusal().rule(),
+            Self::UnsupportedLetter(_) | Self::SharedAxis { .. } | Self::UnsupportedCode { .. } => {
+                Rule::UnsupportedWord
+            }
             Self::ArcWithoutCenter
             | Self::RadiusAndCenter
             | Self::CenterOutsidePlane(_)
@@ -505,9 +519,9 @@ impl TextError for DecodeError {
             | Self::RadiusWithoutEnd
             | Self::RadiusWithoutChord
             | Self::RadiusTooSmall { .. }
-            | Self::ZeroRadius { .. }
+            | Self::ZeroRadius(_)
             | Self::Offset(OffsetError::RotatedArc(_))
-            | Self::CenterMismatch { .. } => Rule::ArcGeometry,
+            | Self::CenterMismatch(_) => Rule::ArcGeometry,
             Self::CompensationRadius { .. } | Self::CompensationGouge { .. } => {
                 Rule::CompensationGouge
             }
@@ -516,10 +530,18 @@ impl TextError for DecodeError {
         }
     }
 
+    fn hint(&self) -> Option<String> {
+        match self {
+            Self::OfControl(finding) => finding.hint(),
+            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.hint(),
+            _ => None,
+        }
+    }
+
     fn is_note(&self) -> bool {
         match self {
             Self::Message(_) => true,
-            Self::InFile { error, .. } => error.is_note(),
+            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.is_note(),
             _ => false,
         }
     }

@@ -60,161 +60,71 @@ pub enum ExpressionError {
     NotFinite,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Operator {
-    Power,
-    Times,
-    Divided,
-    Modulo,
-    Plus,
-    Minus,
-    Equal,
-    NotEqual,
-    Greater,
-    GreaterOrEqual,
-    Less,
-    LessOrEqual,
-    And,
-    Or,
-    Xor,
-}
+/// Rank of an operator, and what it makes of two values; those of higher rank are applied first.
+type Operator = (u8, fn(f64, f64) -> Result<f64, ExpressionError>);
 
 /// Operators by their text; a longer one before its beginning.
-const OPERATORS: [(&[u8], Operator); 15] = [
-    (b"**", Operator::Power),
-    (b"*", Operator::Times),
-    (b"/", Operator::Divided),
-    (b"+", Operator::Plus),
-    (b"-", Operator::Minus),
-    (b"MOD", Operator::Modulo),
-    (b"EQ", Operator::Equal),
-    (b"NE", Operator::NotEqual),
-    (b"GT", Operator::Greater),
-    (b"GE", Operator::GreaterOrEqual),
-    (b"LT", Operator::Less),
-    (b"LE", Operator::LessOrEqual),
-    (b"AND", Operator::And),
-    (b"OR", Operator::Or),
-    (b"XOR", Operator::Xor),
+#[rustfmt::skip]
+const OPERATORS: [(&str, Operator); 15] = [
+    ("**",  (5, power)),
+    ("*",   (4, |a, b| Ok(a * b))),
+    ("/",   (4, |a, b| Ok(a / divisor(b)?))),
+    ("+",   (3, |a, b| Ok(a + b))),
+    ("-",   (3, |a, b| Ok(a - b))),
+    ("MOD", (4, |a, b| Ok(a.rem_euclid(divisor(b)?)))),
+    ("EQ",  (2, |a, b| truth((a - b).abs() < EQUAL))),
+    ("NE",  (2, |a, b| truth((a - b).abs() >= EQUAL))),
+    ("GT",  (2, |a, b| truth(a > b))),
+    ("GE",  (2, |a, b| truth(a >= b))),
+    ("LT",  (2, |a, b| truth(a < b))),
+    ("LE",  (2, |a, b| truth(a <= b))),
+    ("AND", (1, |a, b| truth(a != 0.0 && b != 0.0))),
+    ("OR",  (1, |a, b| truth(a != 0.0 || b != 0.0))),
+    ("XOR", (1, |a, b| truth((a != 0.0) != (b != 0.0)))),
 ];
 
-impl Operator {
-    /// Operators of higher rank are applied first.
-    fn rank(self) -> u8 {
-        match self {
-            Self::And | Self::Or | Self::Xor => 1,
-            Self::Equal
-            | Self::NotEqual
-            | Self::Greater
-            | Self::GreaterOrEqual
-            | Self::Less
-            | Self::LessOrEqual => 2,
-            Self::Plus | Self::Minus => 3,
-            Self::Times | Self::Divided | Self::Modulo => 4,
-            Self::Power => 5,
-        }
+fn power(base: f64, exponent: f64) -> Result<f64, ExpressionError> {
+    if base < 0.0 && exponent.fract() != 0.0 {
+        let domain = "a negative number has whole powers only";
+        return Err(ExpressionError::Domain { function: "**", argument: base, domain });
     }
-
-    fn apply(self, left: f64, right: f64) -> Result<f64, ExpressionError> {
-        let truth = |is_so: bool| Ok(if is_so { 1.0 } else { 0.0 });
-        let (same, yes) = ((left - right).abs() < EQUAL, |value: f64| value != 0.0);
-        match self {
-            Self::Power if left < 0.0 && right.fract() != 0.0 => Err(ExpressionError::Domain {
-                function: "**",
-                argument: left,
-                domain: "a negative number has whole powers only",
-            }),
-            Self::Power => Ok(left.powf(right)),
-            Self::Times => Ok(left * right),
-            Self::Divided | Self::Modulo if right == 0.0 => Err(ExpressionError::DivisionByZero),
-            Self::Divided => Ok(left / right),
-            Self::Modulo => Ok(left.rem_euclid(right)),
-            Self::Plus => Ok(left + right),
-            Self::Minus => Ok(left - right),
-            Self::Equal => truth(same),
-            Self::NotEqual => truth(!same),
-            Self::Greater => truth(left > right),
-            Self::GreaterOrEqual => truth(left >= right),
-            Self::Less => truth(left < right),
-            Self::LessOrEqual => truth(left <= right),
-            Self::And => truth(yes(left) && yes(right)),
-            Self::Or => truth(yes(left) || yes(right)),
-            Self::Xor => truth(yes(left) != yes(right)),
-        }
-    }
+    Ok(base.powf(exponent))
 }
 
-/// Functions of one argument; ATAN takes two and EXISTS a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+fn divisor(value: f64) -> Result<f64, ExpressionError> {
+    if value == 0.0 { Err(ExpressionError::DivisionByZero) } else { Ok(value) }
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "as operators are")]
+fn truth(is_so: bool) -> Result<f64, ExpressionError> {
+    Ok(if is_so { 1.0 } else { 0.0 })
+}
+
+#[derive(Clone, Copy, Debug)]
 enum Function {
-    Abs,
-    Acos,
-    Asin,
+    /// Of one argument; the arguments for which it is defined, if those are not all.
+    Of(fn(f64) -> f64, &'static str),
     Atan,
-    Cos,
     Exists,
-    Exp,
-    Fix,
-    Fup,
-    Ln,
-    Round,
-    Sin,
-    Sqrt,
-    Tan,
 }
 
-const FUNCTIONS: [(&[u8], Function); 14] = [
-    (b"ABS", Function::Abs),
-    (b"ACOS", Function::Acos),
-    (b"ASIN", Function::Asin),
-    (b"ATAN", Function::Atan),
-    (b"COS", Function::Cos),
-    (b"EXISTS", Function::Exists),
-    (b"EXP", Function::Exp),
-    (b"FIX", Function::Fix),
-    (b"FUP", Function::Fup),
-    (b"LN", Function::Ln),
-    (b"ROUND", Function::Round),
-    (b"SIN", Function::Sin),
-    (b"SQRT", Function::Sqrt),
-    (b"TAN", Function::Tan),
+#[rustfmt::skip]
+const FUNCTIONS: [(&str, Function); 14] = [
+    ("ABS",    Function::Of(f64::abs, "")),
+    ("ACOS",   Function::Of(|x| degrees(x.acos()), "it takes -1 to 1")),
+    ("ASIN",   Function::Of(|x| degrees(x.asin()), "it takes -1 to 1")),
+    ("ATAN",   Function::Atan),
+    ("COS",    Function::Of(|x| radians(x).cos(), "")),
+    ("EXISTS", Function::Exists),
+    ("EXP",    Function::Of(f64::exp, "")),
+    ("FIX",    Function::Of(f64::floor, "")),
+    ("FUP",    Function::Of(f64::ceil, "")),
+    ("LN",     Function::Of(f64::ln, "it takes numbers above 0")),
+    ("ROUND",  Function::Of(f64::round, "")),
+    ("SIN",    Function::Of(|x| radians(x).sin(), "")),
+    ("SQRT",   Function::Of(f64::sqrt, "it takes 0 and numbers above")),
+    ("TAN",    Function::Of(|x| radians(x).tan(), "")),
 ];
-
-impl Function {
-    fn apply(self, argument: f64) -> Result<f64, ExpressionError> {
-        let within = |function, is_defined: bool, domain| {
-            let undefined = ExpressionError::Domain { function, argument, domain };
-            if is_defined { Ok(()) } else { Err(undefined) }
-        };
-        Ok(match self {
-            Self::Abs => argument.abs(),
-            Self::Acos => {
-                within("ACOS", argument.abs() <= 1.0, "it takes -1 to 1")?;
-                degrees(argument.acos())
-            }
-            Self::Asin => {
-                within("ASIN", argument.abs() <= 1.0, "it takes -1 to 1")?;
-                degrees(argument.asin())
-            }
-            Self::Cos => radians(argument).cos(),
-            Self::Exp => argument.exp(),
-            Self::Fix => argument.floor(),
-            Self::Fup => argument.ceil(),
-            Self::Ln => {
-                within("LN", argument > 0.0, "it takes numbers above 0")?;
-                argument.ln()
-            }
-            Self::Round => argument.round(),
-            Self::Sin => radians(argument).sin(),
-            Self::Sqrt => {
-                within("SQRT", argument >= 0.0, "it takes 0 and numbers above")?;
-                argument.sqrt()
-            }
-            Self::Tan => radians(argument).tan(),
-            Self::Atan | Self::Exists => argument,
-        })
-    }
-}
 
 /// Rest of π behind its 53 bits.
 const PI_REST: f64 = 1.224_646_799_147_353_2e-16;
@@ -275,19 +185,19 @@ impl Lexer<'_> {
         let start = self.at;
         let mut left = self.value()?;
         while self.peek() != Some(b']') {
-            let Some((operator, end)) = self.one_of(&OPERATORS) else {
+            let Some(((_, (rank, apply)), end)) = self.one_of(&OPERATORS) else {
                 if matches!(self.peek(), Some(b'(' | b';') | None) {
                     self.expect(']')?;
                 }
                 let at = self.at;
                 return Err(self.problem(at, at + 1, ExpressionError::UnknownOperator.into()));
             };
-            if operator.rank() < least {
+            if *rank < least {
                 break;
             }
             self.at = end;
-            let right = self.operation(operator.rank() + 1)?;
-            left = operator.apply(left, right).map_err(|error| self.since(start, error))?;
+            let right = self.operation(rank + 1)?;
+            left = apply(left, right).map_err(|error| self.since(start, error))?;
         }
         Ok(left)
     }
@@ -299,7 +209,7 @@ impl Lexer<'_> {
 
     fn function(&mut self) -> Result<f64, Problem> {
         let start = self.at;
-        let Some((function, end)) = self.one_of(&FUNCTIONS) else {
+        let Some((&(name, function), end)) = self.one_of(&FUNCTIONS) else {
             return Err(self.problem(start, start + 1, ExpressionError::UnknownFunction.into()));
         };
         self.at = end;
@@ -316,9 +226,14 @@ impl Lexer<'_> {
                 self.expect('/')?;
                 Ok(degrees(over.atan2(self.expression()?)))
             }
-            _ => {
+            Function::Of(apply, domain) => {
                 let argument = self.expression()?;
-                function.apply(argument).map_err(|error| self.since(start, error))
+                let value = apply(argument);
+                if value.is_finite() || domain.is_empty() {
+                    return Ok(value);
+                }
+                let undefined = ExpressionError::Domain { function: name, argument, domain };
+                Err(self.since(start, undefined))
             }
         }
     }
@@ -385,10 +300,11 @@ impl Lexer<'_> {
     }
 
     /// The entry of `table` whose text is here, and where it ends.
-    pub(super) fn one_of<T: Copy>(&self, table: &[(&[u8], T)]) -> Option<(T, usize)> {
-        let first = self.line.get(self.at)?.to_ascii_uppercase();
-        let candidates = table.iter().filter(|(text, _)| text.first() == Some(&first));
-        candidates.into_iter().find_map(|(text, meaning)| Some((*meaning, self.end_of(text)?)))
+    pub(super) fn one_of<'t, T>(
+        &self,
+        table: &'t [(&'static str, T)],
+    ) -> Option<(&'t (&'static str, T), usize)> {
+        table.iter().find_map(|entry| Some((entry, self.end_of(entry.0)?)))
     }
 }
 

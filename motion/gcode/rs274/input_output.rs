@@ -13,13 +13,18 @@
 
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
+use super::leniency::Leniency;
 use super::output::Output;
 use super::parameters::Target;
 use super::state::State;
+use super::word::MWords;
 use twin_path::{ElementKind, MParameters};
 
 /// Parameter with the value that M66 has read.
 const RESULT: u16 = 5399;
+
+/// The largest number of an output, an input or a tool.
+const MAX_NUMBER: f64 = 1e6;
 
 /// The last wait type of M66 (low).
 const MAX_WAIT: u32 = 4;
@@ -49,21 +54,20 @@ impl State {
     /// Those of missing and wrong words.
     pub(super) fn set_outputs(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
         let Some(number) = block.m.input_output else { return Ok(()) };
-        let missing =
-            |letter: Letter| DecodeError::MissingMWord { m: number, letter: letter.as_char() };
-        let channel = |letter| block.whole_at(letter, 0).map(|it| it.map(f64::from));
+        let missing = |word| DecodeError::missing(format!("M{number}"), word);
+        let channel = |letter| rounded(block, letter).map(|it| it.map(f64::from));
         let parameters = match number {
             66 => {
                 self.set_parameter(&Target::Numbered(RESULT), -1.0);
                 wait(block)?
             }
             67 | 68 => MParameters {
-                k: Some(channel(Letter::E)?.ok_or(missing(Letter::E))?),
-                l: Some(block.get(Letter::Q).ok_or(missing(Letter::Q))?),
+                k: Some(channel(Letter::E)?.ok_or(missing("E: the number of the analog output"))?),
+                l: Some(block.get(Letter::Q).ok_or(missing("Q: the value of the analog output"))?),
                 o: None,
             },
             _ => MParameters {
-                k: Some(channel(Letter::P)?.ok_or(missing(Letter::P))?),
+                k: Some(channel(Letter::P)?.ok_or(missing("P: the number of the digital output"))?),
                 ..MParameters::default()
             },
         };
@@ -71,24 +75,41 @@ impl State {
         Ok(())
     }
 
-    /// M100 to M199.
-    pub(super) fn call_user(&mut self, block: &Block, out: &mut Output) {
+    /// M100 to M199, and other numbers than those of LinuxCNC.
+    ///
+    /// # Errors
+    /// [`DecodeError::UnsupportedCode`] for the latter, where it is strict.
+    pub(super) fn call_user(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
         if let Some(number) = block.m.user {
+            if !MWords::knows(number) {
+                self.forgive(Leniency::UnknownM(number), block.code_columns(), out)?;
+            }
             let (k, l) = (block.get(Letter::P), block.get(Letter::Q));
             self.stand(ElementKind::MFunction { number }, MParameters { k, l, o: None }, out);
         }
+        Ok(())
     }
+}
+
+/// The nearest whole number of a word that names an output, an input or a tool (M61).
+pub(super) fn rounded(block: &Block, letter: Letter) -> Result<Option<u32>, Problem> {
+    let number = State::in_range(block, letter, MAX_NUMBER)?.map(f64::round);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
+    Ok(number.map(|number| number as u32))
 }
 
 /// The parameters of M66.
 fn wait(block: &Block) -> Result<MParameters, Problem> {
-    let channel = |letter| block.whole_at(letter, 0).map(|it| it.map(f64::from));
+    let channel = |letter| rounded(block, letter).map(|it| it.map(f64::from));
     let (digital, analog) = (channel(Letter::P)?, channel(Letter::E)?);
     let kind = block.whole_at(Letter::L, 0)?.unwrap_or(0);
     let timeout = block.get(Letter::Q).unwrap_or(0.0).max(0.0);
     let at = |letter: Letter, error| Problem { columns: block.columns(letter), error };
     match (digital, analog) {
-        (None, None) => return Err(DecodeError::WaitWithoutInput.into()),
+        (None, None) => {
+            let input = "the number of its input: P if it is digital, E if it is analog";
+            return Err(DecodeError::missing("M66", input).into());
+        }
         (Some(_), Some(_)) => return Err(at(Letter::E, DecodeError::WaitForTwoInputs)),
         (None, Some(_)) if kind > 0 => return Err(at(Letter::L, DecodeError::WaitForAnalog)),
         _ => {}

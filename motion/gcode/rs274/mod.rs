@@ -13,11 +13,11 @@
 //! G40, tool length, coordinate system, path mode, distance modes, retract mode, G10, G28, G30, G52 and G92, G92.1 to
 //! G92.3, motion, stop. Hence F in a line with G20 or G21 is in the units of the line before.
 //!
-//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4 to G5.3, G7, G8, G10 (L0, L1, L2, L10, L11, L20), G20,
+//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19.1, G4 to G5.3, G7, G8, G10 (L0, L1, L2, L10, L11, L20), G20,
 //! G21, G28, G28.1, G30, G30.1, G33, G33.1, G38.2 to G38.5, G40 to G42.1, G43 to G43.2, G49, G52 to G59.3, G61, G61.1,
 //! G64, G73, G74, G76, G80 to G89, G90, G91, G90.1, G91.1, G92 to G92.3, G93 to G99, M0 to M9, M19, M30, M48 to M53,
-//! M60 to M68, M70 to M73, M98 to M199, F, S, T, D, E, H, N, A B C for rotary axes (as the extra axes P Q U, in
-//! degrees). Every other word is an error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
+//! M60 to M68, M70 to M73, M98 to M199, F, S, T, D, E, H, N, `$`, A B C for rotary axes (as the extra axes P Q U, in
+//! degrees), U V W (as those of these names, in mm; a program moves either C or U). Every other word is an error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
 //! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
 //!
 //! Values are numbers, parameters (`#1`, `#<name>`), functions and expressions in brackets; see `expression.rs` and
@@ -50,49 +50,42 @@
 //! goes to the programmed end, with a warning.
 //!
 //! Differences from LinuxCNC 2.9, whose rules apply otherwise (its documentation, and its interpreter run over
-//! `tests/linuxcnc.rs` and a corpus of CAM output):
-//! - F must be programmed before the first feed move; LinuxCNC's previews begin with a feed of their own.
-//! - A file that ends without M2, M30 or second % gives a warning, and a % at the end is accepted without one at the
-//!   beginning. LinuxCNC refuses both after having run all of the program.
-//! - Lines may be longer than 255 characters. K0 (J0, I0) along the normal of an arc's plane has no effect.
-//! - `continue` and `break` of a loop act as documented. In LinuxCNC a `break` of a `while` loop also ends the next `do`
-//!   loop after one pass, and a `break` between `continue` and the end of its `do` loop counts although it is passed over.
-//! - A block in inverse time (G93) takes the time that F says, and F0 is an error. LinuxCNC's interpreter goes at 0.1
-//!   units per minute at least, so that a short move with a long turn is faster.
-//! - Probing moves in inverse time (G93) take as long as F says, if they do not trip, and need it, as LinuxCNC's
-//!   documentation has it. Its interpreter lets them move with the feed in force before.
-//! - A start and end that are the same but for 1 µm make a full circle; LinuxCNC looks at the angle alone and makes
-//!   full circles of flat arcs.
-//! - The last compensated move of a program that ends with a second % amid G41 or G42 is part of the path. LinuxCNC
-//!   leaves it out.
-//! - The moves of one canned cycle block and of G76 are at most [`MAX_CYCLE_MOVES`].
-//! - G88 leaves the hole with a rapid behind its stop M0. In LinuxCNC the next rapid begins at the bottom.
-//! - G74 and G84 in G18 and G19 tap along the normal of the plane. LinuxCNC mixes up their axes.
-//! - Pitches that are not above 0, and feeds per revolution without a speed, are errors. LinuxCNC checks the speed only
-//!   for G1 to G3.
-//! - G7 and G8 in the block of G76 act as in a block before. LinuxCNC halves or doubles I, J and K once more.
-//! - G33.1 and G76 take no words of rotary axes; LinuxCNC takes those that do not move them.
-//! - M19 without R and P turns the spindle to 0°, as LinuxCNC's documentation has it; its interpreter does nothing.
-//! - The machine stays where it is when G10 rotates the coordinate system while G92 is in force, and when the program
-//!   sets #5210 to #5219. LinuxCNC loses its position there, and the next move goes elsewhere with axes that it does not
-//!   name.
-//! - Arcs in G18 and G19 in a rotated coordinate system (G10 L2 R), and the axes U, V and W, are errors.
-//! - P of G10 and Q of M61 must be whole numbers; LinuxCNC rounds some of them.
-//! - M72 and M73 restore F and S as they were. LinuxCNC rounds them to one decimal and to none. M72 must be the only
-//!   word of its block: LinuxCNC drops motions next to it.
-//! - M62 to M68 take whole numbers of outputs and inputs, which LinuxCNC rounds, and M67 and M68 need Q. M100 to M199
-//!   need no file.
-//! - A NURBS needs weights above 0 also in its first block, takes no Z A B C, and must end with G5.3 before another motion
+//! `tests/linuxcnc.rs`, random programs and a corpus of CAM output):
+//! - What shops run on other controls is read with a warning ([`Leniency`]). K0 (J0, I0) along the normal of an arc's
+//!   plane has no effect. [`DecoderOptions::strict`] refuses all of this.
+//! - A compensated move that waits for the next one is done at the end of the file too, and at a second %. LinuxCNC leaves
+//!   it out there.
+//! - Limits: lines may have [`MAX_LINE_BYTES`] instead of 253, one canned cycle block and G76 make at most
+//!   [`MAX_CYCLE_MOVES`], a NURBS has at most [`MAX_CONTROL_POINTS`], and loops and calls end ([`FlowLimits`]).
+//! - Motions that would never end are errors: pitches that are not above 0, feeds per revolution without a speed (which
+//!   LinuxCNC checks for G1 to G3 only), F0 in inverse time, for which LinuxCNC takes 0.1 units per minute.
+//! - G88, which LinuxCNC's documentation leaves undefined, leaves the hole with a rapid behind its stop M0. In LinuxCNC
+//!   the next rapid begins at the bottom.
+//! - Arcs in G18 and G19 in a rotated coordinate system (G10 L2 R) are errors: no plane of a path contains them.
+//! - Programs that name both C and U are errors, and so is a spindle `$` other than 0 and -1: both letters are one axis,
+//!   and the machine has one spindle.
+//! - A NURBS needs weights above 0 also in its first block, takes no Z A B C U V W, and must end with G5.3 before another motion
 //!   and before the end of the program; LinuxCNC leaves out such words and curves. Its control points stay where they are
 //!   when units or offsets change before G5.3.
-//! - A curve in inverse time (G93) takes the time that F says in its block, that of G5.3 for a NURBS. LinuxCNC keeps the
-//!   feed before.
-//! - A block with an error changes only the modal state. LinuxCNC stops there; here the rest is read as well, so that
-//!   all errors are found.
+//! - Where the interpreter contradicts its documentation, the documentation counts:
+//!   - `continue` and `break` end a pass and a loop. The interpreter's `break` of a `while` loop also ends the next `do`
+//!     loop, and a `break` that is passed over between `continue` and the end of its `do` loop counts.
+//!   - A block in inverse time (G93) takes the time that its F says, also a probing move and a curve. The interpreter's
+//!     lowest feed makes short moves faster, and it probes and follows curves with the feed in force before.
+//!   - Arcs are full circles if start and end are the same, to 1 µm. The interpreter makes full circles of flat arcs.
+//!   - G74 and G84 tap along the normal of G18 and G19 too. The interpreter mixes up their axes.
+//!   - I, J and K of G76 are diameters or radii. The interpreter halves or doubles them once more behind G7 or G8.
+//!   - M19 without R and P turns the spindle to 0°, G33.1 moves X, Y and Z, and M67 and M68 need Q. The interpreter leaves
+//!     out M19 and rotary words of G33.1, and sets outputs without Q to -1.
+//!   - Axes that a block does not name stay. The interpreter moves them when G10 has rotated a system while G92 is in
+//!     force, and behind a program that sets #5210 to #5219.
+//!   - P of G10 is a whole number. The interpreter truncates fractions of 0.5 and more.
+//!   - M72 and M73 restore F and S as they were. The interpreter rounds them, and leaves out words next to M72, which are
+//!     an error here.
 
 #![allow(
     clippy::indexing_slicing,
-    reason = "arrays of the three coordinates and nine coordinate systems, indexed by values of these types"
+    reason = "arrays of the coordinates of axes and nine coordinate systems, indexed by values of these types"
 )]
 
 mod arc;
@@ -105,6 +98,7 @@ mod error;
 mod expression;
 mod flow;
 mod input_output;
+mod leniency;
 mod lexer;
 mod message;
 mod modes;
@@ -128,12 +122,13 @@ mod travel;
 mod word;
 mod work_frame;
 
-pub use control::Control;
+pub use control::{CONTROL_WORDS, Cell, Control, ControlFinding, ControlWord, Reading};
 pub use cycle::MAX_CYCLE_MOVES;
 pub use decoder::{Decoder, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item};
 pub use expression::ExpressionError;
 pub use flow::{FlowError, FlowLimits};
+pub use leniency::Leniency;
 pub use message::Message;
 pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference};
 pub use parameter_file::{ParameterFile, ParameterFileError};

@@ -6,7 +6,8 @@
 //! ```
 
 use super::parameters::LAST;
-use std::io::{self, BufRead, Read};
+use crate::lines;
+use std::io::{self, Read};
 
 /// Parameters of the interpreter with their values, in ascending order of their numbers.
 ///
@@ -26,14 +27,9 @@ pub enum ParameterFileError {
     /// A line that is not a number and a value.
     #[error("line {0}: write the number of a parameter and its value, such as `5221 12.5`")]
     Line(u32),
-    /// A number that no parameter has.
-    #[error("line {line}: parameter {number} does not exist: the numbers are 1 to {LAST}")]
-    Number {
-        /// Line of the file, counted from 1.
-        line: u32,
-        /// The number.
-        number: i64,
-    },
+    /// A number that no parameter has, in a line counted from 1.
+    #[error("line {0}: parameter {1} does not exist: the numbers are 1 to {LAST}")]
+    Number(u32, i64),
     /// A number that is not larger than the one before.
     #[error(
         "line {line}: parameter {number} follows {before}; the numbers must ascend: move the line up or delete it"
@@ -62,20 +58,13 @@ impl ParameterFile {
     /// # Errors
     /// See [`ParameterFileError`].
     pub fn read(reader: impl Read) -> Result<Self, ParameterFileError> {
-        let mut reader = io::BufReader::new(reader.take(MAX_BYTES + 1));
+        let text = lines::read_file(reader, MAX_BYTES).map_err(ParameterFileError::Io)?;
+        if text.len() as u64 > MAX_BYTES {
+            return Err(ParameterFileError::TooLong(MAX_BYTES));
+        }
         let mut values: Vec<(u16, f64)> = Vec::new();
-        let (mut text, mut bytes) = (Vec::new(), 0_u64);
-        for line in 1.. {
-            text.clear();
-            let count = reader.read_until(b'\n', &mut text).map_err(ParameterFileError::Io)?;
-            if count == 0 {
-                break;
-            }
-            bytes += u64::try_from(count).unwrap_or(u64::MAX);
-            if bytes > MAX_BYTES {
-                return Err(ParameterFileError::TooLong(MAX_BYTES));
-            }
-            let Some((number, value)) = entry(&text, line)? else { continue };
+        for (line, text) in (1..).zip(lines::lines(&text)) {
+            let Some((number, value)) = entry(text, line)? else { continue };
             match values.last() {
                 Some((before, _)) if *before >= number => {
                     return Err(ParameterFileError::Order { line, number, before: *before });
@@ -112,6 +101,6 @@ fn entry(text: &[u8], line: u32) -> Result<Option<(u16, f64)>, ParameterFileErro
     }
     match u16::try_from(number) {
         Ok(small) if (1..=LAST).contains(&small) => Ok(Some((small, value))),
-        _ => Err(ParameterFileError::Number { line, number }),
+        _ => Err(ParameterFileError::Number(line, number)),
     }
 }

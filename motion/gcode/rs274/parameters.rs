@@ -24,6 +24,9 @@ pub(super) const LAST: u16 = 5602;
 /// Number of parameters that are local to a subroutine, from 1 on.
 pub(super) const LOCAL: usize = 30;
 
+/// Their values.
+pub(super) type Locals = Box<[f64; LOCAL]>;
+
 /// Error of a parameter.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ParameterError {
@@ -119,23 +122,24 @@ impl Parameters {
     }
 
     /// Begins a subroutine; its arguments if it has any of its own. Returns the parameters to be restored at its end.
-    pub(super) fn enter(&mut self, arguments: Option<&[f64; LOCAL]>) -> Option<Box<[f64; LOCAL]>> {
+    pub(super) fn enter(&mut self, arguments: Option<Locals>) -> Option<Locals> {
         self.local.push(Names::new());
-        let arguments = arguments?;
-        let locals = self.numbered.get_mut(1..=LOCAL)?;
-        let saved: Box<[f64; LOCAL]> = Box::new(<[f64; LOCAL]>::try_from(&*locals).ok()?);
-        locals.copy_from_slice(arguments);
-        Some(saved)
+        self.exchange(arguments)
     }
 
     /// Ends a subroutine.
-    pub(super) fn leave(&mut self, saved: Option<Box<[f64; LOCAL]>>) {
+    pub(super) fn leave(&mut self, saved: Option<Locals>) {
         if self.local.len() > 1 {
             self.local.pop();
         }
-        if let (Some(saved), Some(locals)) = (saved, self.numbered.get_mut(1..=LOCAL)) {
-            locals.copy_from_slice(&*saved);
-        }
+        self.exchange(saved);
+    }
+
+    /// Replaces the numbered local parameters, if `values` are any; returns those before.
+    fn exchange(&mut self, values: Option<Locals>) -> Option<Locals> {
+        let mut values = values?;
+        self.numbered.get_mut(1..=LOCAL)?.swap_with_slice(&mut *values);
+        Some(values)
     }
 
     /// Number of subroutines in work.
@@ -204,8 +208,7 @@ impl State {
 
     fn numbered(&self, number: u16) -> f64 {
         match number {
-            5420..=5422 => self.compensated_program()[usize::from(number - 5420)],
-            5423..=5425 => self.location.program_rotary[usize::from(number - 5423)],
+            5420..=5428 => self.compensated_program()[usize::from(number - 5420)],
             _ => self.offsets.parameter(number).unwrap_or_else(|| self.parameters.get(number)),
         }
     }
@@ -220,11 +223,14 @@ impl State {
             b"vminor" | b"task" | b"remap_level" => 0.0,
             b"line" => f64::from(self.parameters.line),
             b"motion_mode" => tenths(self.motion.number()),
-            b"plane" => match self.plane {
-                twin_path::Plane::Xy => 170.0,
-                twin_path::Plane::Zx => 180.0,
-                twin_path::Plane::Yz => 190.0,
-            },
+            b"plane" => {
+                let plane = match self.plane {
+                    twin_path::Plane::Xy => 170.0,
+                    twin_path::Plane::Zx => 180.0,
+                    twin_path::Plane::Yz => 190.0,
+                };
+                plane + truth(self.parallel_plane)
+            }
             b"ccomp" => self.compensation_number(),
             b"metric" => truth(self.units == LengthUnit::Millimetre),
             b"imperial" => truth(self.units == LengthUnit::Inch),
@@ -258,6 +264,9 @@ impl State {
             b"a" => self.numbered(5423),
             b"b" => self.numbered(5424),
             b"c" => self.numbered(5425),
+            b"u" => self.numbered(5426),
+            b"v" => self.numbered(5427),
+            b"w" => self.numbered(5428),
             b"current_tool" => f64::from(self.tool),
             b"selected_tool" => self.selected_tool.map_or(0.0, f64::from),
             b"value" => self.parameters.returned.unwrap_or_default(),

@@ -3,7 +3,8 @@
 
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
-use super::offsets::AxisValues;
+use super::input_output::rounded;
+use super::offsets::{AxisValues, sum};
 use super::options::Position;
 use super::output::Output;
 use super::state::State;
@@ -23,27 +24,16 @@ pub enum OffsetError {
     /// G10 L0 with a tool in the spindle.
     #[error("G10 L0 needs an empty spindle, but tool {0} is in it; program T0 M6 before it")]
     LoadedTool(u32),
-    /// G10 without P.
-    #[error(
-        "G10 L{0} needs P: the number of the tool, or of the coordinate system (1 for G54 to 9 for G59.3, 0 for the one in force)"
-    )]
-    MissingP(u32),
     /// G10 for a tool without anything to set.
     #[error(
         "G10 L{0} sets nothing; add an axis word, R (radius), I and J (angles) or Q (orientation)"
     )]
     NothingToSet(u32),
-    /// G43.2 without H.
-    #[error("G43.2 needs H, the tool whose offset is added")]
-    MissingH,
     /// G43.2 with axis words.
     #[error(
         "{0} cannot be used with G43.2, which takes only H; give offsets in axis words with G43.1"
     )]
     AxisWithH(char),
-    /// M61 without Q.
-    #[error("M61 needs Q, the number of the tool in the spindle (0 = none)")]
-    MissingQ,
     /// An arc in G18 or G19 in a rotated coordinate system.
     #[error(
         "arcs in G18 and G19 are not supported in a coordinate system that is rotated by {} degrees; use G17, or a system without rotation (G10 L2 R0)",
@@ -62,17 +52,18 @@ impl State {
     /// The axis words of `block`, m and degrees.
     fn axis_values(&self, block: &Block) -> Result<AxisValues, Problem> {
         let mut values = AxisValues::default();
-        for (slot, axis) in values.linear.iter_mut().zip(Letter::LINEAR) {
-            *slot = self.length(block, axis)?;
-        }
-        for (slot, axis) in values.rotary.iter_mut().zip(Letter::ROTARY) {
-            *slot = limited(block, axis, block.get(axis), MAX_ANGLE, "°")?;
+        for (slot, axis) in values.0.iter_mut().zip(Letter::AXES) {
+            *slot = if Letters::ROTARY.contains(axis) {
+                limited(block, axis, block.get(axis), MAX_ANGLE, "°")?
+            } else {
+                self.length(block, axis)?
+            };
         }
         Ok(values)
     }
 
     /// The number of a word that is a length, m.
-    fn length(&self, block: &Block, letter: Letter) -> Result<Option<f64>, Problem> {
+    pub(super) fn length(&self, block: &Block, letter: Letter) -> Result<Option<f64>, Problem> {
         let metres = block.get(letter).map(|length| self.units.to_metres(length));
         limited(block, letter, metres, MAX_LENGTH, " m")
     }
@@ -90,7 +81,6 @@ impl State {
             OneShot::SaveHome(home) => self.offsets.save_home(home, &machine),
             OneShot::LocalOffset | OneShot::SetPosition => {
                 let values = self.axis_values(block)?;
-                self.rotary |= block.letters().meets(Letters::ROTARY);
                 if shot == OneShot::LocalOffset {
                     self.offsets.set_local(&values);
                 } else {
@@ -102,7 +92,7 @@ impl State {
         }
         if shot == OneShot::SetPosition {
             // As programmed, without the rounding of the offset.
-            for (program, axis) in self.location.program.iter_mut().zip(Letter::LINEAR) {
+            for (program, axis) in self.location.program.iter_mut().zip(Letter::AXES) {
                 *program = block.get(axis).unwrap_or(*program);
             }
         }
@@ -117,13 +107,12 @@ impl State {
             OneShot::RestoreOffset => self.offsets.restore_g92(),
             _ => return,
         }
-        self.note_rotary();
         self.location.find_program(&self.offsets, self.units);
     }
 
     /// G10.
     fn set_data(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        let kind = block.whole(Letter::L, 0).map_err(|error| at(block, Letter::L, error))?;
+        let kind = block.whole_at(Letter::L, 0)?;
         match kind {
             // Reads the tool table again, which nobody has changed.
             Some(0) if self.tool != 0 => {
@@ -138,7 +127,7 @@ impl State {
 
     /// G10 L2 and L20.
     fn set_system_data(&mut self, l: u32, block: &Block) -> Result<(), Problem> {
-        let system = digit(block, Letter::P)?.ok_or(DecodeError::from(OffsetError::MissingP(l)))?;
+        let system = digit(block, Letter::P)?.ok_or_else(|| missing_number(l))?;
         let unused =
             if l == 2 { &[Letter::I, Letter::J][..] } else { &[Letter::I, Letter::J, Letter::R] };
         for letter in unused {
@@ -154,7 +143,6 @@ impl State {
         } else {
             self.offsets.set_coordinates(system, &self.location.machine, &values);
         }
-        self.note_rotary();
         self.location.find_program(&self.offsets, self.units);
         Ok(())
     }
@@ -163,8 +151,8 @@ impl State {
     fn set_tool_data(&mut self, l: u32, block: &Block, out: &mut Output) -> Result<(), Problem> {
         const USED: Letters =
             Letters::AXES.with(Letters::of(&[Letter::I, Letter::J, Letter::Q, Letter::R]));
-        let number = block.whole(Letter::P, 1).map_err(|error| at(block, Letter::P, error))?;
-        let number = number.ok_or(DecodeError::from(OffsetError::MissingP(l)))?;
+        let number = block.whole_at(Letter::P, 1)?;
+        let number = number.ok_or_else(|| missing_number(l))?;
         let mut tool = self.find_tool(number, Letter::P, block, out)?;
         if !block.letters().meets(USED) {
             return Err(DecodeError::from(OffsetError::NothingToSet(l)).into());
@@ -175,15 +163,14 @@ impl State {
             values.replace(&mut offset);
         } else {
             let machine = &self.location.machine;
-            let found = self.offsets.touch_off(l == 11, machine, &values, &offset);
+            let mut found = self.offsets.touch_off(l == 11, machine, &values, &offset);
             // Of X and Y both may change, of the others only those that are named.
-            if values.linear[0].is_some() || values.linear[1].is_some() {
-                offset.linear[..2].copy_from_slice(&found.linear[..2]);
+            if values.0[..2] == [None; 2] {
+                found.linear[..2].copy_from_slice(&offset.linear[..2]);
             }
-            offset.linear[2] = found.linear[2];
-            offset.rotary = found.rotary;
+            offset = found;
         }
-        (tool.offset, tool.rotary_offset) = (offset.linear, offset.rotary);
+        tool.set_position(&offset);
         if let Some(radius) = self.length(block, Letter::R)? {
             tool.diameter = 2.0 * radius;
         }
@@ -234,8 +221,9 @@ impl State {
         block: &Block,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        let number = block.whole(Letter::Q, 0).map_err(|error| at(block, Letter::Q, error))?;
-        let number = number.ok_or(DecodeError::from(OffsetError::MissingQ))?;
+        let number = rounded(block, Letter::Q)?.ok_or_else(|| {
+            DecodeError::missing("M61", "Q, the number of the tool in the spindle (0 = none)")
+        })?;
         self.find_tool(number, Letter::Q, block, out)?;
         self.load_tool(number);
         self.m_function(61, Some(f64::from(number)), out);
@@ -249,7 +237,7 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         let Some(kind) = block.g.tool_length else { return Ok(()) };
-        let named = block.whole(Letter::H, 0).map_err(|error| at(block, Letter::H, error))?;
+        let named = block.whole_at(Letter::H, 0)?;
         let mut offset = *self.offsets.tool();
         match kind {
             ToolLength::Off => offset = Position::default(),
@@ -260,39 +248,30 @@ impl State {
             }
             ToolLength::Direct => self.axis_values(block)?.replace(&mut offset),
             ToolLength::Added => {
-                if let Some(letter) = Letter::LINEAR
-                    .into_iter()
-                    .chain(Letter::ROTARY)
-                    .find(|letter| block.get(*letter).is_some())
-                {
+                let mut axes = Letter::AXES.into_iter();
+                if let Some(letter) = axes.find(|letter| block.get(*letter).is_some()) {
                     let error = OffsetError::AxisWithH(letter.as_char());
                     return Err(at(block, letter, error.into()));
                 }
-                let number = named.ok_or(DecodeError::from(OffsetError::MissingH))?;
+                let number = named.ok_or_else(|| {
+                    DecodeError::missing("G43.2", "H, the tool whose offset is added")
+                })?;
                 let number = if number == 0 { self.tool } else { number };
                 let tool = self.find_tool(number, Letter::H, block, out)?.position();
-                let linear = offset.linear.iter_mut().zip(tool.linear);
-                for (sum, tool) in linear.chain(offset.rotary.iter_mut().zip(tool.rotary)) {
-                    *sum += tool;
-                }
+                offset = sum(&offset, &tool);
             }
         }
-        let before = self.location.machine.linear;
+        let before = self.location.machine;
         self.offsets.set_tool(offset, &mut self.location.machine);
         if let Some(tool) = &mut self.compensation.tool {
-            let moved = self.location.machine.linear.iter().zip(before);
+            let moved = self.location.machine.linear.iter().zip(before.linear);
             for (tool, (now, before)) in tool.linear.iter_mut().zip(moved) {
                 *tool += now - before;
             }
         }
-        self.note_rotary();
         self.location.find_program(&self.offsets, self.units);
-        Ok(())
-    }
-
-    /// Rotary axes are part of the path as soon as one of them is not zero.
-    fn note_rotary(&mut self) {
-        self.rotary |= self.location.machine.rotary.iter().any(|angle| *angle != 0.0);
+        let now = self.location.machine;
+        Ok(self.note_extra(&before, &now)?)
     }
 }
 
@@ -300,14 +279,16 @@ fn at(block: &Block, letter: Letter, error: DecodeError) -> Problem {
     Problem { columns: block.get(letter).and_then(|_| block.columns(letter)), error }
 }
 
+fn missing_number(l: u32) -> DecodeError {
+    let system = "of the coordinate system (1 for G54 to 9 for G59.3, 0 for the one in force)";
+    DecodeError::missing(format!("G10 L{l}"), format!("P: the number of the tool, or {system}"))
+}
+
 /// The number of a word that takes whole numbers from 0 to 9.
 fn digit(block: &Block, letter: Letter) -> Result<Option<u32>, Problem> {
-    let found = block.whole(letter, 0).map_err(|error| at(block, letter, error))?;
+    let found = block.whole_at(letter, 0)?;
     if found.is_some_and(|value| value > MAX_DIGIT) {
-        let value = block.get(letter).unwrap_or_default();
-        let (letter_name, max) = (letter.as_char(), f64::from(MAX_DIGIT));
-        let error = DecodeError::OutOfRange { letter: letter_name, value, min: 0.0, max, unit: "" };
-        return Err(at(block, letter, error));
+        State::in_range(block, letter, f64::from(MAX_DIGIT))?;
     }
     Ok(found)
 }

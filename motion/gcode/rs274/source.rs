@@ -4,8 +4,9 @@
 //! nothing else is, so that memory does not grow with the length of a program without them.
 
 use super::decoder::MAX_LINE_BYTES;
+use crate::lines;
 use std::fs;
-use std::io::{self, BufRead, Read};
+use std::io::{self, BufRead};
 use std::path::PathBuf;
 
 /// The largest subroutine file that is read, bytes.
@@ -21,6 +22,13 @@ pub(super) struct Spot {
     pub(super) file: Option<FileNumber>,
     /// Lines before it.
     pub(super) line: u32,
+}
+
+impl Spot {
+    /// The place behind the next line, whose number `line` is then.
+    pub(super) fn behind(self) -> Self {
+        Self { line: self.line.saturating_add(1), ..self }
+    }
 }
 
 /// Lines in a row.
@@ -123,15 +131,11 @@ impl<R: BufRead> Source<R> {
         if !keep && !self.kept.ends.is_empty() {
             self.kept.clear(self.read);
         }
-        let limit = MAX_LINE_BYTES as u64 + 1;
-        if self.reader.by_ref().take(limit).read_until(b'\n', line)? == 0 {
+        if lines::read_line(&mut self.reader, MAX_LINE_BYTES, line)?.is_none() {
             return Ok(Reading::End);
         }
         let is_long = line.len() > MAX_LINE_BYTES;
         if is_long {
-            if line.last() != Some(&b'\n') {
-                self.reader.skip_until(b'\n')?;
-            }
             line.clear();
         }
         if keep {
@@ -167,14 +171,13 @@ impl<R: BufRead> Source<R> {
         if let Some(open) = self.files.iter().position(|file| file.path == path) {
             return Ok(Some(open));
         }
-        let mut text = Vec::new();
-        fs::File::open(&path)?.take(MAX_FILE_BYTES + 1).read_to_end(&mut text)?;
+        let text = lines::read_file(fs::File::open(&path)?, MAX_FILE_BYTES)?;
         if text.len() as u64 > MAX_FILE_BYTES {
             let message = format!("more than {MAX_FILE_BYTES} bytes");
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
         }
         let mut lines = Lines::default();
-        text.split_inclusive(|byte| *byte == b'\n').for_each(|line| lines.push(line));
+        lines::lines(&text).for_each(|line| lines.push(line));
         self.files.push(File { path, lines });
         Ok(Some(self.files.len() - 1))
     }

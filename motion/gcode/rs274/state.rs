@@ -2,9 +2,11 @@
 
 use super::block::{Block, Letter, Letters};
 use super::compensation::Compensation;
+use super::control::{self, Control};
 use super::cycle::Series;
 use super::error::{DecodeError, Problem};
 use super::input_output::m_letters;
+use super::leniency::Leniency;
 use super::modes::{Overrides, Saved};
 use super::offsets::{Home, Location, Offsets};
 use super::options::{DecoderOptions, LengthUnit, PathMode, Position};
@@ -15,6 +17,7 @@ use super::spindle::SurfaceSpeed;
 use super::spline::Nurbs;
 use super::tool_table::ToolTable;
 use super::word::{Compensate, FeedMode, Motion, OneShot, PathControl, Spline, ToolLength};
+use std::ops::Range;
 use twin_path::{ElementKind, MParameters, Plane};
 
 /// Limits of numbers, in their own units.
@@ -46,6 +49,10 @@ pub(super) struct State {
     pub(super) acceleration: f64,
     pub(super) deceleration: f64,
     pub(super) keep_empty_moves: bool,
+    /// Refuses what LinuxCNC refuses.
+    pub(super) strict: bool,
+    /// The control that the program is meant for.
+    pub(super) control: Option<Control>,
     pub(super) tools: Option<ToolTable>,
     /// Without a tool table every tool exists, with length zero unless G10 says otherwise.
     pub(super) assumes_tools: bool,
@@ -58,12 +65,18 @@ pub(super) struct State {
     pub(super) compensation: Compensation,
     /// End of the last element; none before the first.
     pub(super) path_end: Option<Position>,
-    /// A rotary axis has been named.
-    pub(super) rotary: bool,
+    /// The path has extra axes: one of A, B, C, U, V, W has been named or has moved.
+    pub(super) extra: bool,
+    /// C or U, whichever the program moves: both are the extra axis U.
+    pub(super) shared: Option<Letter>,
 
     pub(super) units: LengthUnit,
     pub(super) plane: Plane,
+    /// The plane is that of U, V, W in place of X, Y, Z (G17.1 to G19.1).
+    pub(super) parallel_plane: bool,
     pub(super) motion: Motion,
+    /// A word has said how to move, or that nothing moves.
+    pub(super) motion_given: bool,
     pub(super) relative: bool,
     pub(super) absolute_centers: bool,
     /// G7: X words are diameters.
@@ -74,6 +87,8 @@ pub(super) struct State {
     pub(super) feed: Option<Feed>,
     /// F in force as the program wrote it.
     pub(super) feed_word: f64,
+    /// A block has had an F word.
+    pub(super) feed_given: bool,
     pub(super) feed_reported: bool,
     pub(super) series: Series,
     /// I and J of a G5 that has none, in units of the program: P and Q of the last G5, turned around.
@@ -109,6 +124,8 @@ impl State {
             acceleration: options.acceleration,
             deceleration: options.deceleration,
             keep_empty_moves: options.keep_empty_moves,
+            strict: options.strict,
+            control: options.control,
             assumes_tools: options.tools.is_none(),
             tools: options.tools,
             probe_target: options.surroundings.map(|surroundings| surroundings.target()),
@@ -117,10 +134,13 @@ impl State {
             location,
             compensation: Compensation::default(),
             path_end: None,
-            rotary: options.start.rotary.iter().any(|angle| *angle != 0.0),
+            extra: options.start.extra_axes().iter().any(|position| *position != 0.0),
+            shared: None,
             units: options.units,
             plane: Plane::Xy,
+            parallel_plane: false,
             motion: Motion::Off,
+            motion_given: false,
             relative: false,
             absolute_centers: false,
             diameters: false,
@@ -129,6 +149,7 @@ impl State {
             path_mode: PathMode::default(),
             feed: None,
             feed_word: 0.0,
+            feed_given: false,
             feed_reported: false,
             series: Series::default(),
             spline_start: [0.0; 2],
@@ -145,6 +166,30 @@ impl State {
         };
         state.load_tool(options.tool);
         state
+    }
+
+    fn remark(&self, leniency: Leniency, columns: Option<Range<usize>>, out: &mut Output) {
+        match self.control {
+            Some(control) => control::forgive(control, leniency, columns, out),
+            None => out.remark(columns, DecodeError::Lenient(leniency), false),
+        }
+    }
+
+    /// Passes over what LinuxCNC refuses, with a warning.
+    ///
+    /// # Errors
+    /// That of LinuxCNC, if it must be obeyed.
+    pub(super) fn forgive(
+        &self,
+        leniency: Leniency,
+        columns: Option<Range<usize>>,
+        out: &mut Output,
+    ) -> Result<(), Problem> {
+        if self.strict {
+            return Err(Problem { columns, error: leniency.refusal() });
+        }
+        self.remark(leniency, columns, out);
+        Ok(())
     }
 
     /// Takes over the modes of a block that cannot be executed, so that the blocks after it mean what they are meant
@@ -175,12 +220,19 @@ impl State {
         let block = radius.as_ref().unwrap_or(block);
         // Most blocks: G1 X1 Y2, X1 Y2.
         let motion = self.motion_of(block)?;
+        if motion == Some(Motion::Rapid) && self.motion == Motion::Off && block.g.motion.is_none() {
+            self.forgive(Leniency::NoMotionWord, None, out)?;
+        }
         self.check_words(block, motion)?;
+        self.name_extra(block)?;
+        Self::check_spindle_number(block, motion)?;
         self.check_before_compensation(block, out)?;
         self.set_feed(block)?;
         self.set_tool_and_speed(block, out)?;
         if block.g.one_shot == Some(OneShot::Dwell) {
-            let seconds = block.get(Letter::P).ok_or(DecodeError::MissingDwell)?;
+            let seconds = block
+                .get(Letter::P)
+                .ok_or_else(|| DecodeError::missing("G4", "the time P in seconds"))?;
             self.dwell(seconds, out)?;
         }
         self.set_modes(block);
@@ -205,6 +257,7 @@ impl State {
             self.set_motion(motion);
         }
         if let Some(motion) = motion {
+            self.assume_feed(motion, block, out);
             let cartesian;
             let block = if block.letters().meets(Letters::POLAR) {
                 cartesian = self.without_polar(block)?;
@@ -272,7 +325,10 @@ impl State {
             (Some(Motion::Off), true) => Err(DecodeError::AxesWithoutMotion),
             (Some(motion), _) => Ok(Some(motion)),
             (None, true) if block.g.tool_length == Some(ToolLength::Direct) => Ok(None),
-            (None, true) if self.motion == Motion::Off => Err(DecodeError::AxesWithoutMotion),
+            (None, true) if self.motion == Motion::Off => {
+                let assumed = (!self.motion_given).then_some(Motion::Rapid);
+                assumed.map(Some).ok_or(DecodeError::AxesWithoutMotion)
+            }
             (None, true) => Ok(Some(self.motion)),
             (None, false) if matches!(self.motion, Motion::Arc { .. }) => {
                 Ok(block.letters().meets(Letters::CENTER).then_some(self.motion))
@@ -296,13 +352,16 @@ impl State {
                 used = used.without(Letters::AXES);
             }
             Some(Motion::Cycle(cycle)) => {
-                used = used.without(Letters::ROTARY).with(cycle.words());
+                let parallel = block.g.parallel_plane.unwrap_or(self.parallel_plane);
+                let other = if parallel { Letters::LINEAR } else { Letters::PARALLEL };
+                used = used.without(Letters::ROTARY.with(other)).with(cycle.words());
             }
             Some(Motion::Thread(thread)) => {
                 used = thread.words().with(Letters::of(&[Letter::S, Letter::T]));
             }
             _ => {}
         }
+        used = used.with(Self::spindle_words(block, motion));
         if block.g.one_shot == Some(OneShot::Dwell) {
             used = used.with(Letters::of(&[Letter::P]));
         }
@@ -347,13 +406,16 @@ impl State {
             if motion.is_none() || block.g.one_shot.is_some_and(|shot| shot != OneShot::Dwell) {
                 return Err(DecodeError::PolarWithoutMotion.into());
             }
+            if self.plane != Plane::Xy || self.parallel_plane {
+                return Err(DecodeError::PolarOutsideXy.into());
+            }
             if block.letters().meets(coordinates) {
                 return Err(DecodeError::PolarAndCoordinate.into());
             }
         }
         if block.g.one_shot == Some(OneShot::MachineFrame) {
             if !matches!(motion, Some(Motion::Rapid | Motion::Line)) {
-                return Err(DecodeError::MachineFrameWithoutLine.into());
+                return Err(DecodeError::missing("G53", "G0 or G1").into());
             }
             if block.g.relative.unwrap_or(self.relative) {
                 return Err(DecodeError::MachineFrameIncremental.into());
@@ -386,12 +448,26 @@ impl State {
         }
         let Some(feed) = Self::in_range(block, Letter::F, MAX_FEED)? else { return Ok(()) };
         self.feed_word = feed;
+        self.feed_given = true;
         if self.feed_mode != FeedMode::InverseTime {
             self.feed = Some(Feed::per_minute(feed, self.units));
             // F0 is none.
             self.feed_reported &= feed <= 0.0;
         }
         Ok(())
+    }
+
+    /// Gives a program that has set none a feed.
+    fn assume_feed(&mut self, motion: Motion, block: &Block, out: &mut Output) {
+        let needs_none = matches!(motion, Motion::Rapid | Motion::Off | Motion::Thread(_));
+        if self.feed_given || self.strict || needs_none || self.feed_mode != FeedMode::PerMinute {
+            return;
+        }
+        self.feed = Some(Feed::ASSUMED);
+        // An F that could not be read has been reported.
+        if !self.feed_reported {
+            self.remark(Leniency::NoFeed, block.last_columns(), out);
+        }
     }
 
     fn set_tool_and_speed(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
@@ -416,7 +492,7 @@ impl State {
             self.set_coolant(number, out);
         }
         self.set_overrides(block);
-        self.call_user(block, out);
+        self.call_user(block, out)?;
         Ok(())
     }
 
@@ -439,12 +515,14 @@ impl State {
         }
         self.diameters = words.diameters.unwrap_or(self.diameters);
         self.plane = words.plane.unwrap_or(self.plane);
+        self.parallel_plane = words.parallel_plane.unwrap_or(self.parallel_plane);
         self.relative = words.relative.unwrap_or(self.relative);
         self.absolute_centers = words.absolute_centers.unwrap_or(self.absolute_centers);
         self.initial_level = words.initial_level.unwrap_or(self.initial_level);
     }
 
     fn set_motion(&mut self, motion: Motion) {
+        self.motion_given = true;
         match motion {
             // For their block only.
             Motion::Spline(Spline::Cubic | Spline::Quadratic) => return,
@@ -489,8 +567,9 @@ impl State {
         Ok((seconds * 1e9).round() as i64)
     }
 
-    /// Waits for `seconds`.
+    /// Waits for `seconds`, or what the control of the program makes of this number.
     pub(super) fn dwell(&mut self, seconds: f64, out: &mut Output) -> Result<(), DecodeError> {
+        let seconds = self.control.map_or(seconds, |control| control.seconds(seconds));
         let time_ns = Self::dwell_ns(seconds)?;
         self.stand(ElementKind::Dwell { time_ns }, MParameters::default(), out);
         Ok(())

@@ -20,13 +20,16 @@ use super::travel::Axis;
 use super::word::{Motion, Thread};
 use twin_path::ElementKind;
 
+/// Axes of G33.1 and G76.
+const AXES: Letters = Letters::LINEAR.with(Letters::ROTARY);
+
 impl Thread {
     /// The words of the motion; those of axes are among them.
     pub(super) fn words(self) -> Letters {
         match self {
             Self::Straight => Letters::AXES.with(Letters::of(&[Letter::K])),
-            Self::RigidTap => Letters::LINEAR.with(Letters::of(&[Letter::I, Letter::K])),
-            Self::Cycle => Letters::LINEAR.with(Letters::CENTER).with(Letters::of(&[
+            Self::RigidTap => AXES.with(Letters::of(&[Letter::I, Letter::K])),
+            Self::Cycle => AXES.with(Letters::CENTER).with(Letters::of(&[
                 Letter::E,
                 Letter::F,
                 Letter::H,
@@ -72,7 +75,6 @@ impl State {
         block: &Block,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        self.rotary |= block.letters().meets(Letters::ROTARY);
         let (from, to) = (self.location, self.target(block, self.relative)?);
         let result = self.thread_to(thread, block, to, out);
         if result.is_err() {
@@ -82,6 +84,7 @@ impl State {
         result
     }
 
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
     fn thread_to(
         &mut self,
         thread: Thread,
@@ -90,14 +93,20 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         let motion = Motion::Thread(thread);
-        let needed = |letter: Letter| {
-            let missing =
-                DecodeError::MissingWord { motion: motion.number(), letter: letter.as_char() };
-            block.get(letter).ok_or(missing)
-        };
+        let ends = self.location.program.into_iter().zip(to.program);
+        let mut extra = Letter::AXES.into_iter().zip(ends).skip(3);
+        if let Some((letter, _)) = extra.find(|(_, (from, to))| from != to)
+            && thread != Thread::Straight
+        {
+            let error = DecodeError::UnusedWord(letter.as_char());
+            return Err(Problem { columns: block.columns(letter), error });
+        }
+        let code = format!("G{}", motion.number());
+        let missing = |letter: Letter| DecodeError::missing(&code, letter.as_char());
+        let needed = |letter| block.get(letter).ok_or_else(|| missing(letter));
         let pitch = if thread == Thread::Cycle { Letter::P } else { Letter::K };
         let revolution = needed(pitch)?;
-        block.check_above(&format!("G{}", motion.number()), pitch, revolution, 0.0)?;
+        block.check_above(&code, pitch, revolution, 0.0)?;
         if thread == Thread::Cycle {
             let turning = self.turning(
                 block,

@@ -6,8 +6,8 @@
 //! ```
 
 use super::{LengthUnit, Position};
-use crate::number;
-use std::io::{self, BufRead, Read};
+use crate::{lines, number};
+use std::io::{self, Read};
 
 /// A tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +19,8 @@ pub struct Tool {
     pub offset: [f64; 3],
     /// The same for A, B and C, degrees.
     pub rotary_offset: [f64; 3],
+    /// The same for U, V and W, m.
+    pub parallel_offset: [f64; 3],
     /// Diameter (D), m. If it is negative, G41 and G42 change sides.
     pub diameter: f64,
     /// Front angle of a lathe tool (I), degrees.
@@ -32,7 +34,13 @@ pub struct Tool {
 impl Tool {
     /// Offsets of all axes, m and degrees.
     pub(super) fn position(&self) -> Position {
-        Position { linear: self.offset, rotary: self.rotary_offset }
+        Position { linear: self.offset, rotary: self.rotary_offset, parallel: self.parallel_offset }
+    }
+
+    /// Sets [`Self::position`].
+    pub(super) fn set_position(&mut self, position: &Position) {
+        (self.offset, self.rotary_offset) = (position.linear, position.rotary);
+        self.parallel_offset = position.parallel;
     }
 }
 
@@ -49,33 +57,18 @@ pub enum ToolTableError {
     /// It cannot be read.
     #[error("the tool table cannot be read")]
     Io(#[source] io::Error),
-    /// An entry is not a letter with a number.
-    #[error("line {line}: {letter:?} is not followed by a number")]
-    Number {
-        /// Line of the file, counted from 1.
-        line: u32,
-        /// The entry's letter.
-        letter: char,
-    },
-    /// A letter the format does not have.
-    #[error("line {line}: tool tables have no {letter:?}")]
-    Letter {
-        /// Line of the file, counted from 1.
-        line: u32,
-        /// The character.
-        letter: char,
-    },
+    /// An entry is not a letter with a number: its line, counted from 1, and its letter.
+    #[error("line {0}: {1:?} is not followed by a number")]
+    Number(u32, char),
+    /// A letter the format does not have, in a line counted from 1.
+    #[error("line {0}: tool tables have no {1:?}")]
+    Letter(u32, char),
     /// A tool without number, or with one that is negative or no whole number.
     #[error("line {0}: a tool needs a whole number T")]
     ToolNumber(u32),
-    /// A tool for the second time.
-    #[error("line {line}: tool {number} is there already")]
-    Duplicate {
-        /// Line of the file, counted from 1.
-        line: u32,
-        /// The tool's number.
-        number: u32,
-    },
+    /// A tool for the second time: the line, counted from 1, and the number of the tool.
+    #[error("line {0}: tool {1} is there already")]
+    Duplicate(u32, u32),
     /// A number beyond what any machine has, or an orientation other than 0 to 9.
     #[error("line {line}: {letter}{value} is out of range")]
     OutOfRange {
@@ -128,35 +121,29 @@ impl ToolTable {
         }
     }
 
-    /// Reads LinuxCNC's format with lengths in `unit`, that of the machine. The pocket and the
-    /// offsets of U, V and W are read but not kept.
+    /// Reads LinuxCNC's format with lengths in `unit`, that of the machine. The pocket is read but not kept.
     ///
     /// # Errors
     /// See [`ToolTableError`].
     pub fn read(reader: impl Read, unit: LengthUnit) -> Result<Self, ToolTableError> {
-        let mut reader = io::BufReader::new(reader.take(MAX_BYTES + 1));
+        let text = lines::read_file(reader, MAX_BYTES).map_err(ToolTableError::Io)?;
         let mut tools: Vec<(u32, Tool)> = Vec::new();
-        let (mut text, mut bytes) = (Vec::new(), 0_u64);
-        for line in 1.. {
-            text.clear();
-            let count = reader.read_until(b'\n', &mut text).map_err(ToolTableError::Io)?;
-            if count == 0 {
-                break;
-            }
-            bytes += u64::try_from(count).unwrap_or(u64::MAX);
-            if bytes > MAX_BYTES {
-                return Err(ToolTableError::TooLong { line, limit: MAX_BYTES });
-            }
-            if let Some(tool) = entry(&text, line, unit)? {
-                tools.push((line, tool));
-            }
+        if text.len() as u64 > MAX_BYTES {
+            let last = (1..).zip(lines::lines(&text)).last();
+            return Err(ToolTableError::TooLong {
+                line: last.map_or(1, |(line, _)| line),
+                limit: MAX_BYTES,
+            });
+        }
+        for (line, text) in (1..).zip(lines::lines(&text)) {
+            tools.extend(entry(text, line, unit)?.map(|tool| (line, tool)));
         }
         tools.sort_by_key(|(_, tool)| tool.number);
         for pair in tools.windows(2) {
             if let [(_, first), (line, second)] = pair
                 && first.number == second.number
             {
-                return Err(ToolTableError::Duplicate { line: *line, number: second.number });
+                return Err(ToolTableError::Duplicate(*line, second.number));
             }
         }
         Ok(Self { tools: tools.into_iter().map(|(_, tool)| tool).collect() })
@@ -184,13 +171,13 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
         empty = false;
         let letter = char::from(letter.to_ascii_uppercase());
         if !matches!(letter, 'A'..='D' | 'I' | 'J' | 'P' | 'Q' | 'T' | 'U'..='Z') {
-            return Err(ToolTableError::Letter { line, letter });
+            return Err(ToolTableError::Letter(line, letter));
         }
-        let value = number::parse(digits).ok_or(ToolTableError::Number { line, letter })?;
+        let value = number::parse(digits).ok_or(ToolTableError::Number(line, letter))?;
         let length = unit.to_metres(value);
         let limited = match letter {
             'A' | 'B' | 'C' | 'I' | 'J' => value / MAX_ANGLE,
-            'X' | 'Y' | 'Z' | 'D' => length / MAX_LENGTH,
+            'U'..='Z' | 'D' => length / MAX_LENGTH,
             'Q' => value / MAX_ORIENTATION,
             _ => 0.0,
         };
@@ -199,6 +186,7 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
         }
         let [x, y, z] = &mut tool.offset;
         let [a, b, c] = &mut tool.rotary_offset;
+        let [u, v, w] = &mut tool.parallel_offset;
         match letter {
             'T' => number = whole(value),
             'X' => *x = length,
@@ -207,6 +195,9 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
             'A' => *a = value,
             'B' => *b = value,
             'C' => *c = value,
+            'U' => *u = length,
+            'V' => *v = length,
+            'W' => *w = length,
             'D' => tool.diameter = length,
             'I' => tool.front_angle = value,
             'J' => tool.back_angle = value,

@@ -202,6 +202,8 @@ pub(super) struct GWords {
     /// G92.1, G92.2 or G92.3.
     pub(super) g92_switch: Option<OneShot>,
     pub(super) plane: Option<Plane>,
+    /// G17.1 to G19.1 (true), G17 to G19.
+    pub(super) parallel_plane: Option<bool>,
     pub(super) units: Option<LengthUnit>,
     pub(super) compensation: Option<Compensate>,
     /// G43 to G43.2, G49.
@@ -228,7 +230,7 @@ type GWord = (u16, Group, fn(&mut GWords));
 
 /// The G words, in the order of their numbers.
 #[rustfmt::skip]
-const G_WORDS: [GWord; 78] = [
+const G_WORDS: [GWord; 81] = [
     (  0, Group::Motion,       |g| g.motion = Some(Motion::Rapid)),
     ( 10, Group::Motion,       |g| g.motion = Some(Motion::Line)),
     ( 20, Group::Motion,       |g| g.motion = Some(Motion::Arc { clockwise: true })),
@@ -241,9 +243,12 @@ const G_WORDS: [GWord; 78] = [
     ( 70, Group::Diameter,     |g| g.diameters = Some(true)),
     ( 80, Group::Diameter,     |g| g.diameters = Some(false)),
     (100, Group::NonModal,     |g| g.one_shot = Some(OneShot::SetData)),
-    (170, Group::Plane,        |g| g.plane = Some(Plane::Xy)),
-    (180, Group::Plane,        |g| g.plane = Some(Plane::Zx)),
-    (190, Group::Plane,        |g| g.plane = Some(Plane::Yz)),
+    (170, Group::Plane,        |g| g.set_plane(Plane::Xy, false)),
+    (171, Group::Plane,        |g| g.set_plane(Plane::Xy, true)),
+    (180, Group::Plane,        |g| g.set_plane(Plane::Zx, false)),
+    (181, Group::Plane,        |g| g.set_plane(Plane::Zx, true)),
+    (190, Group::Plane,        |g| g.set_plane(Plane::Yz, false)),
+    (191, Group::Plane,        |g| g.set_plane(Plane::Yz, true)),
     (200, Group::Units,        |g| g.units = Some(LengthUnit::Inch)),
     (210, Group::Units,        |g| g.units = Some(LengthUnit::Millimetre)),
     (280, Group::NonModal,     |g| g.one_shot = Some(OneShot::GoHome(Home::First))),
@@ -338,7 +343,7 @@ pub(super) struct MWords {
     pub(super) input_output: Option<u16>,
     /// M70 to M73.
     pub(super) modes: Option<u16>,
-    /// M100 to M199.
+    /// M100 to M199, and numbers without a meaning.
     pub(super) user: Option<u16>,
     /// M0, M1, M2, M30 or M60.
     pub(super) stop: Option<u16>,
@@ -347,7 +352,7 @@ pub(super) struct MWords {
 /// First and last number of M words, their group, and where a block keeps the number.
 type MWord = (u16, u16, MGroup, fn(&mut MWords) -> &mut Option<u16>);
 
-/// The M words, in the order of their numbers. M98 and M99 are those of `flow.rs`.
+/// The M words, of which the first counts that fits. M98 and M99 are those of `flow.rs`.
 #[rustfmt::skip]
 const M_WORDS: [MWord; 12] = [
     ( 0,  2, MGroup::Stop,       |m| &mut m.stop),
@@ -361,7 +366,7 @@ const M_WORDS: [MWord; 12] = [
     (61, 61, MGroup::ToolChange, |m| &mut m.tool_change),
     (62, 68, MGroup::InputOutput, |m| &mut m.input_output),
     (70, 73, MGroup::Spindle,    |m| &mut m.modes),
-    (100, 199, MGroup::User,     |m| &mut m.user),
+    ( 0, 999, MGroup::User,      |m| &mut m.user),
 ];
 
 /// Error of a G or M word.
@@ -405,9 +410,19 @@ impl GWords {
         }
         taken
     }
+
+    fn set_plane(&mut self, plane: Plane, parallel: bool) {
+        (self.plane, self.parallel_plane) = (Some(plane), Some(parallel));
+    }
 }
 
 impl MWords {
+    /// True if LinuxCNC knows M`number`.
+    pub(super) fn knows(number: u16) -> bool {
+        let known = M_WORDS.iter().find(|(first, last, ..)| (*first..=*last).contains(&number));
+        known.is_some_and(|(.., group, _)| *group != MGroup::User) || (100..=199).contains(&number)
+    }
+
     /// Adds M`number`.
     pub(super) fn add(&mut self, number: u16) -> Result<(), CodeError> {
         let row = M_WORDS.iter().find(|(first, last, ..)| (*first..=*last).contains(&number));

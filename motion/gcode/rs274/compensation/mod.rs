@@ -39,9 +39,6 @@ use twin_path::Plane;
 /// The largest number of moves, dwells and M functions that wait for the next move in the plane.
 const MAX_WAITING: usize = 10_000;
 
-/// The largest diameter of a tool, m.
-const MAX_DIAMETER: f64 = 1e3;
-
 /// Compensation in force, if any, and the moves that wait for the next corner.
 #[derive(Debug, Default)]
 pub(super) struct Compensation {
@@ -96,7 +93,9 @@ impl State {
         }
         let refused = |word| Err(DecodeError::Compensated(word).into());
         match block.g.plane {
-            Some(plane) if plane != self.plane => refused("another plane (G17 to G19)"),
+            Some(plane) if plane != self.plane || block.g.parallel_plane == Some(true) => {
+                refused("another plane (G17 to G19.1)")
+            }
             _ if block.m.input_output.is_some() => refused("an input or output (M62 to M68)"),
             _ if block.m.overrides.is_some() => refused("an override switch (M48 to M53)"),
             _ if block.m.tool_change == Some(6) => refused("M6"),
@@ -158,7 +157,7 @@ impl State {
             Compensate::Off => return self.end_compensation(out),
             Compensate::Tool { left } | Compensate::Diameter { left } => left,
         };
-        if self.plane == Plane::Yz {
+        if self.plane == Plane::Yz || self.parallel_plane {
             return Err(DecodeError::CompensationPlane(word.number()).into());
         }
         if self.compensation.cutter.is_some() {
@@ -179,9 +178,10 @@ impl State {
 
     /// Diameter (m) and orientation of the tool that D names, or of that in the spindle.
     fn cutter_of_table(&self, word: f64, block: &Block) -> Result<(f64, u32), Problem> {
-        let at_word = |error| Problem { columns: columns(block, Letter::D), error };
         // D0 is the tool in the spindle.
-        let tool = block.whole(Letter::D, 0).map_err(at_word)?.filter(|tool| *tool != 0);
+        let tool = block.whole_at(Letter::D, 0)?.filter(|tool| *tool != 0);
+        let columns = block.get(Letter::D).and_then(|_| block.columns(Letter::D));
+        let at_word = |error| Problem { columns, error };
         let number = tool.unwrap_or(self.tool);
         let Some(tools) = &self.tools else {
             return Err(at_word(DecodeError::NoDiameter { word, tool: number }));
@@ -200,20 +200,12 @@ impl State {
 
     /// Diameter (m) D and orientation L.
     fn cutter_of_words(&self, word: f64, block: &Block) -> Result<(f64, u32), Problem> {
-        let Some(value) = block.get(Letter::D) else {
-            return Err(DecodeError::MissingDiameter(word).into());
-        };
-        let diameter = self.units.to_metres(value);
-        if diameter.abs() > MAX_DIAMETER {
-            let (min, max) = (-MAX_DIAMETER, MAX_DIAMETER);
-            let error =
-                DecodeError::OutOfRange { letter: 'D', value: diameter, min, max, unit: " m" };
-            return Err(Problem { columns: columns(block, Letter::D), error });
-        }
-        let at_word = |error| Problem { columns: columns(block, Letter::L), error };
-        match block.whole(Letter::L, 0).map_err(at_word)? {
+        let missing = || DecodeError::missing(format!("G{word}"), "the diameter D of the tool");
+        let diameter = self.length(block, Letter::D)?.ok_or_else(missing)?;
+        match block.whole_at(Letter::L, 0)? {
             Some(orientation) if self.plane != Plane::Zx => {
-                Err(at_word(DecodeError::LatheToolPlane { word, orientation }))
+                let error = DecodeError::LatheToolPlane { word, orientation };
+                Err(Problem { columns: block.columns(Letter::L), error })
             }
             orientation => Ok((diameter, orientation.unwrap_or(0))),
         }
@@ -258,7 +250,7 @@ impl State {
     }
 
     /// Coordinates of the tool's centre, or of the tool without compensation, in the program's units.
-    pub(super) fn compensated_program(&self) -> [f64; 3] {
+    pub(super) fn compensated_program(&self) -> [f64; 9] {
         let cutter = self.compensation.cutter.as_ref();
         let Some((frame, center)) = cutter.and_then(|one| Some((one.frame, one.center?))) else {
             return self.location.program;
@@ -287,11 +279,6 @@ impl State {
     pub(super) fn is_compensated(&self) -> bool {
         self.compensation.cutter.is_some_and(|cutter| cutter.radius > 0.0)
     }
-}
-
-/// Columns of a word, if it is there.
-fn columns(block: &Block, letter: Letter) -> Option<std::ops::Range<usize>> {
-    block.get(letter).and_then(|_| block.columns(letter))
 }
 
 /// True if the point whose path it is, is the centre of the tool's radius: a mill, or a lathe tool of orientation 9.

@@ -8,6 +8,7 @@ use super::queue::{Curve, Move};
 use crate::rs274::block::{Block, Letter};
 use crate::rs274::error::{DecodeError, Problem};
 use crate::rs274::offsets::Location;
+use crate::rs274::options::Position;
 use crate::rs274::output::Output;
 use crate::rs274::state::State;
 use crate::rs274::word::Motion;
@@ -30,7 +31,8 @@ struct Programmed {
     start_height: f64,
     end: Vector2<f64>,
     height: f64,
-    rotary: [f64; 3],
+    /// As programmed.
+    axes: Position,
 }
 
 /// An arc as it is programmed, in the frame.
@@ -43,8 +45,8 @@ struct Round {
 
 impl Programmed {
     fn with(&self, curve: Curve, end: Vector2<f64>) -> Move {
-        let Self { kind, feed, height, rotary, .. } = *self;
-        Move { kind, feed, curve, end, height, rotary }
+        let Self { kind, feed, height, axes, .. } = *self;
+        Move { kind, feed, curve, end, height, axes }
     }
 }
 
@@ -70,7 +72,7 @@ impl State {
         let line = self.begin(cutter.frame, kind, feed, to);
         match cutter.center {
             None => self.enter_line(cutter, &line, out),
-            Some(center) => self.follow_line(cutter, center, &line, out),
+            Some(center) => self.follow(cutter, center, &line, None, out),
         }
     }
 
@@ -101,7 +103,7 @@ impl State {
         let line = self.begin(cutter.frame, ElementKind::Cut, feed, to);
         match cutter.center {
             None => self.enter_arc(cutter, &line, round, out),
-            Some(before) => self.follow_arc(cutter, before, &line, round, out),
+            Some(center) => self.follow(cutter, center, &line, Some(round), out),
         }
     }
 
@@ -135,8 +137,7 @@ impl State {
         self.compensation.tool.get_or_insert(from);
         let (start, start_height) = frame.flat(from.linear);
         let (end, height) = frame.flat(to.machine.linear);
-        let rotary = to.machine.rotary;
-        Programmed { kind, feed, start, start_height, end, height, rotary }
+        Programmed { kind, feed, start, start_height, end, height, axes: to.machine }
     }
 
     /// Appends a move to the queue; the tool's centre is at its end.
@@ -227,38 +228,60 @@ impl State {
         DecodeError::CompensationRadius { arc_mm: radius * 1e3, radius_mm: cutter.radius * 1e3 }
     }
 
-    fn follow_line(
+    /// Goes on next to the contour from `center`: straight, or along `arc`.
+    fn follow(
         &mut self,
         cutter: Cutter,
         center: Vector2<f64>,
         line: &Programmed,
+        arc: Option<Round>,
         out: &mut Output,
     ) -> Result<(), Problem> {
         let way = line.end - line.start;
-        if way.norm() <= SAME_POINT {
-            let curve = Curve::Line { direction: Vector2::zeros() };
-            self.append(line.with(curve, center), out);
-            return Ok(());
-        }
-        let (before, along) = (right((center - line.start).normalize()), way.normalize());
-        let aside = left(along) * cutter.radius;
-        let last_arc = self.compensation.queue.front().and_then(|(_, last)| last.circle());
+        // The direction in which the move begins, its curve and circle, and where the tool's centre is at its end.
+        let (along, curve, circle, end) = match arc {
+            Some(arc) => {
+                let (side, inward) = (arc.turns.signum(), arc.center - line.end);
+                let radius = inward.norm();
+                self.check_radius(cutter, arc, radius, out)?;
+                let along = right((arc.center - line.start).normalize() * side);
+                let offset = side * cutter.radius;
+                let circle = Circle { center: arc.center, radius: radius - offset, side };
+                let programmed = Some(sweep(line.start, arc.center, arc.turns, line.end));
+                let curve = Curve::Arc { center: arc.center, turns: arc.turns, programmed };
+                (along, curve, Some(circle), line.end + inward / radius * offset)
+            }
+            None if way.norm() <= SAME_POINT => {
+                let curve = Curve::Line { direction: Vector2::zeros() };
+                self.append(line.with(curve, center), out);
+                return Ok(());
+            }
+            None => {
+                let along = way.normalize();
+                let end = line.end + left(along) * cutter.radius;
+                (along, Curve::Line { direction: way }, None, end)
+            }
+        };
+        let before = right((center - line.start).normalize());
+        let last = self.compensation.queue.front().and_then(|(_, last)| last.circle());
         let waits = self.compensation.queue.len() > 0;
-        let around = waits && last_arc.is_some_and(|arc| arc.side < 0.0);
+        let around = circle.or(last.filter(|_| waits)).is_some_and(|arc| arc.side < 0.0);
         let corner = Corner::between(before, along, around);
         let result = match corner {
             Corner::Inner(turn) => {
-                let meeting = match last_arc {
-                    Some(arc) => arc_to_line(arc, line.start, along, cutter.radius),
-                    None => Some(line_to_line(center, before, turn, cutter.radius)),
+                let meeting = match (last, circle) {
+                    (Some(last), Some(circle)) => arc_to_arc(last, circle),
+                    (Some(last), None) => arc_to_line(last, line.start, along, cutter.radius),
+                    (None, Some(circle)) => line_to_arc(before, along, circle, cutter.radius),
+                    (None, None) => Some(line_to_line(center, before, turn, cutter.radius)),
                 };
                 self.cut_off(cutter, meeting, out)
             }
             Corner::Outer => {
-                let result = self.end_waiting_at(center, out);
-                let target = line.start + aside;
-                self.go_around(line, center, target, out);
-                result
+                // LinuxCNC does not check the move before an arc.
+                let checked = arc.map_or_else(|| self.end_waiting_at(center, out), |_| Ok(()));
+                self.go_around(line, center, line.start + left(along) * cutter.radius, out);
+                checked
             }
             Corner::Tangent => {
                 self.start_at(center, out);
@@ -268,52 +291,6 @@ impl State {
         if result.is_err() && corner != Corner::Outer {
             self.start_at(center, out);
         }
-        self.append(line.with(Curve::Line { direction: way }, line.end + aside), out);
-        result
-    }
-
-    fn follow_arc(
-        &mut self,
-        cutter: Cutter,
-        center: Vector2<f64>,
-        line: &Programmed,
-        arc: Round,
-        out: &mut Output,
-    ) -> Result<(), Problem> {
-        let side = arc.turns.signum();
-        let (radius, inward) = ((arc.center - line.end).norm(), arc.center - line.start);
-        self.check_radius(cutter, arc, radius, out)?;
-        // Towards the tool, at the start and at the end.
-        let aside = inward.normalize() * side;
-        let end = line.end + (arc.center - line.end) / radius * (side * cutter.radius);
-        let (before, tangent) = (right((center - line.start).normalize()), right(aside));
-        let corner = Corner::between(before, tangent, side < 0.0);
-        let result = match corner {
-            Corner::Inner(_) => {
-                let circle =
-                    Circle { center: arc.center, radius: radius - side * cutter.radius, side };
-                let last = self.compensation.queue.front().and_then(|(_, last)| last.circle());
-                let meeting = match last {
-                    Some(last) => arc_to_arc(last, circle),
-                    None => line_to_arc(before, tangent, circle, cutter.radius),
-                };
-                self.cut_off(cutter, meeting, out)
-            }
-            Corner::Outer => {
-                self.release(out);
-                self.go_around(line, center, line.start + aside * cutter.radius, out);
-                Ok(())
-            }
-            Corner::Tangent => {
-                self.start_at(center, out);
-                Ok(())
-            }
-        };
-        if result.is_err() {
-            self.start_at(center, out);
-        }
-        let programmed = Some(sweep(line.start, arc.center, arc.turns, line.end));
-        let curve = Curve::Arc { center: arc.center, turns: arc.turns, programmed };
         self.append(line.with(curve, end), out);
         result
     }

@@ -117,6 +117,8 @@ fn tool_in_the_spindle() {
     assert_eq!(end("M6 T1\nG43 H0\nG0 Z0"), [0.0, 0.0, 51.125]);
     assert_eq!(end("T1 M6\nT2\nG43\nG0 Z0"), [0.0, 0.0, 51.125]);
     assert_eq!(end("T1\nG43\nG0 Z0"), [0.0, 0.0, 0.0]);
+    // LinuxCNC rounds Q of M61.
+    assert_eq!(end("M61 Q0.6\nG43\nG0 Z0"), [0.0, 0.0, 51.125]);
     let options = DecoderOptions { tool: 2, ..options(ToolReference::ControlPoint) };
     let found = elements_with(options, "G43 G0 X0 Y0 Z0\nM2");
     assert_eq!(ends(&found), "1 -2 10.5");
