@@ -46,6 +46,9 @@ pub(super) struct State {
     pub(super) acceleration: f64,
     pub(super) deceleration: f64,
     pub(super) keep_empty_moves: bool,
+    pub(super) keep_spindle: bool,
+    /// The move at hand follows the angle of the spindle.
+    pub(super) synchronized: bool,
     pub(super) tools: Option<ToolTable>,
     /// Without a tool table every tool exists, with length zero unless G10 says otherwise.
     pub(super) assumes_tools: bool,
@@ -109,6 +112,8 @@ impl State {
             acceleration: options.acceleration,
             deceleration: options.deceleration,
             keep_empty_moves: options.keep_empty_moves,
+            keep_spindle: options.keep_spindle,
+            synchronized: false,
             assumes_tools: options.tools.is_none(),
             tools: options.tools,
             probe_target: options.surroundings.map(|surroundings| surroundings.target()),

@@ -399,12 +399,14 @@ impl State {
         self.path_end = Some(Position { linear: shape.end().into(), rotary: end });
         let mut details = None;
         let parameters = parameters.filter(|parameters| *parameters != MParameters::default());
-        if self.rotary || parameters.is_some() {
+        let spindle = self.spindle_along();
+        if self.rotary || parameters.is_some() || spindle.is_some() {
             let angles = |[a, b, c]: [f64; 3]| [a, b, c, 0.0, 0.0];
             let extra = ExtraAxes { start: angles(start), end: angles(end) };
             details = Some(Box::new(Details {
                 extra: self.rotary.then_some(extra),
                 parameters: parameters.unwrap_or_default(),
+                spindle,
                 ..Details::default()
             }));
         }

@@ -21,6 +21,7 @@ mod splines;
 mod tools;
 mod unsupported;
 mod words;
+mod write;
 
 use super::{Decoder, DecoderOptions, Diagnostic, Failure, Item, Position};
 use twin_path::{ElementKind, PathElement};
