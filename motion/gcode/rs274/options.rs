@@ -72,6 +72,7 @@ pub enum PathMode {
 
 /// Options of a decoder: the values that LinuxCNC keeps in its parameter and machine files.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "options, each on or off")]
 pub struct DecoderOptions {
     /// Position of the machine at the beginning.
     pub start: Position,

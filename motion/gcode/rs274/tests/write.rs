@@ -325,7 +325,10 @@ fn round_trips() {
 #[test]
 fn din_66025_is_written_too() {
     let program = "% x\nN10 G92 X5 Y5\nN20 G0 X10 Y10 F100 E1000 E-1000\nN30 G1 X20 F20\nN40 G2 X40 Y10 I10 J0\nN50 M3 K90\n";
-    let items = din66025::Decoder::with_jumps(std::io::Cursor::new(program), Default::default());
+    let items = din66025::Decoder::with_jumps(
+        std::io::Cursor::new(program),
+        din66025::DecoderOptions::default(),
+    );
     let path: Vec<_> = items
         .map(|item| match item.unwrap() {
             din66025::Item::Element(element) => element,
@@ -373,7 +376,9 @@ fn the_corpus_as_linuxcnc_reads_it() {
     }
     let (mut names, mut texts, mut expected, mut refused) = (vec![], vec![], vec![], vec![]);
     for (name, ..) in corpus::programs("within") {
-        let decoded = decode_as_linuxcnc(&fs::read(corpus.join(name)).unwrap());
+        let mut decoded = decode_as_linuxcnc(&fs::read(corpus.join(name)).unwrap());
+        // LinuxCNC is run with four tools.
+        decoded.elements.retain(|it| it.kind != ElementKind::MFunction { number: 6 });
         match write_for(Control::LinuxCnc, &decoded.elements) {
             Ok(text) => {
                 names.push(name);
@@ -397,12 +402,21 @@ fn assert_same(name: &str, path: &[PathElement], moves: &[Move]) -> usize {
     let mut moves = moves.iter().peekable();
     let mut count = 0;
     for element in path {
-        let goes = element.length() > 1e-7 || matches!(element.kind, ElementKind::Dwell { .. });
+        // Moves between points with the same four decimals are left out.
+        let rounded = |point: Point3<f64>| point.map(|metres| (metres * 1e7).round());
+        let extra = element.extra().map_or(0.0, ExtraAxes::length);
+        let stays = rounded(element.start()) == rounded(element.end()) && extra < 5e-5;
+        let goes = !stays || element.length() > 1e-6 || !element.kind.is_motion();
         let Some(expected) = as_move(element).filter(|_| goes) else { continue };
         let is_last =
             |one: &Move| one.points.iter().zip(&expected.points).all(|(a, b)| (a - b).abs() < 1e-4);
         let mut one = moves.next().unwrap_or_else(|| panic!("{name}: {element:?}"));
-        while matches!(element.shape, Shape::Cubic(_)) && !is_last(one) {
+        let has_lines = match &element.shape {
+            // LinuxCNC takes larger differences in programs in inches.
+            Shape::Arc(arc) => (arc.radius() - arc.end_radius()).abs() > 2.8e-5,
+            shape => matches!(shape, Shape::Cubic(_)),
+        };
+        while has_lines && !is_last(one) {
             one = moves.next().unwrap();
         }
         let is_curve = !matches!(element.shape, Shape::Line { .. });

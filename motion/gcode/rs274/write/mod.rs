@@ -163,11 +163,12 @@ impl<W: Write> ProgramWriter<W> {
         }
         if let Some(details) = &element.details {
             let extra = details.extra.unwrap_or_default();
-            if extra.start.iter().zip(extra.end).skip(3).any(|(start, end)| *start != end) {
+            let differ = |(a, b): (&f64, &f64)| a.to_bits() != b.to_bits();
+            if extra.start.iter().zip(&extra.end).skip(3).any(differ) {
                 return inexpressible("the axes V and W");
             }
             if details.s_profile != AxisMask::default()
-                && (start[2] != end[2] || extra.length() > 0.0)
+                && ((start[2] - end[2]).abs() > 0.0 || extra.length() > 0.0)
             {
                 return inexpressible("the S profile (S3, S7 to S11)");
             }
