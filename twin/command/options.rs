@@ -9,12 +9,13 @@ use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
 use crate::session::override_factor;
 use crate::setpoint_source::MOST_OVERRIDE;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::io::BufRead;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
-use twin_gcode::rs274::{FlowLimits, LengthUnit, ToolTable, ToolTableError};
+use twin_gcode::rs274::{Control, FlowLimits, LengthUnit, ToolTable, ToolTableError};
 use twin_machine::text::Text;
 use twin_machine::{Machine, Scenario, limited_read, tool_table_problem};
 use twin_planner::controller::XDirection;
@@ -165,6 +166,16 @@ pub(super) struct ReadOptions {
     /// Subroutines of RS274 that may call each other in a row; LinuxCNC allows 9
     #[arg(long, value_name = "COUNT", default_value_t = FlowLimits::default().depth)]
     max_depth: usize,
+
+    /// Control that an RS274 program is meant for: what it refuses, passes over or reads differently is a finding
+    /// [default: `control` of [rs274] in the machine file]
+    #[arg(long = "for", value_name = "CONTROL", value_parser = controls())]
+    control: Option<Control>,
+
+    /// Refuse what LinuxCNC refuses in an RS274 program, also where shops run it: no M2, no F, coordinates before a motion word,
+    /// M words of other controls
+    #[arg(long)]
+    strict: bool,
 
     /// Folder with subroutines of RS274 (`NAME.ngc` for `o<NAME> call`), searched after that of the program; may be given several times
     #[arg(long, value_name = "DIR")]
@@ -331,6 +342,7 @@ impl ReadOptions {
         inputs.complete(&mut settings)?;
         let dialect = self.dialect_of(path)?;
         self.check_for(dialect)?;
+        self.check_control(path, dialect)?;
         if dialect == Some(Dialect::Job)
             && (!settings.changes.is_empty() || settings.workpiece.is_some())
         {
@@ -355,6 +367,9 @@ impl ReadOptions {
             {
                 ("--subroutines", "RS274")
             }
+            Some(Dialect::Din66025 | Dialect::Job | Dialect::Dxf) if self.strict => {
+                ("--strict", "RS274")
+            }
             Some(Dialect::Job | Dialect::Dxf) if self.skip_suppressed => {
                 ("--skip-suppressed", "DIN 66025 and RS274")
             }
@@ -368,6 +383,25 @@ impl ReadOptions {
             _ => return Ok(()),
         };
         Err(Failure::Usage(format!("{what} is for programs in {whose}, which this is not")))
+    }
+
+    /// Programs in other dialects than RS274 are not for controls that read it.
+    fn check_control(&self, path: &Path, dialect: Option<Dialect>) -> Result<(), Failure> {
+        let Some(control) = self.control.filter(|control| *control != Control::SoftMotion) else {
+            return Ok(());
+        };
+        let path = path.display();
+        match dialect {
+            Some(Dialect::Job) => Err(Failure::Usage(format!(
+                "--for {} is for programs, and {path} is a job",
+                control.name()
+            ))),
+            Some(Dialect::Din66025) => Err(Failure::Usage(format!(
+                "{control} does not read DIN 66025; `twin path {path} --for {} --format rs274` makes a program of it",
+                control.name()
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// The given dialect, or else the guessed one.
@@ -407,10 +441,20 @@ impl ReadOptions {
             jumps: self.max_jumps,
             depth: self.max_depth,
             subroutines: self.subroutines.clone(),
+            control: self.control,
+            strict: self.strict,
             tools: self.tool_table.as_deref().map(|path| tools(path, unit)).transpose()?,
             ..ReadSettings::default()
         })
     }
+}
+
+/// The names of controls.
+fn controls() -> impl TypedValueParser<Value = Control> {
+    let names = PossibleValuesParser::new(Control::ALL.map(Control::name));
+    names.try_map(|name| {
+        Control::ALL.into_iter().find(|control| control.name() == name).ok_or("no such control")
+    })
 }
 
 fn tools(path: &Path, unit: LengthUnit) -> Result<ToolTable, Failure> {

@@ -7,7 +7,8 @@ use crate::text::Text;
 use std::path::Path;
 use std::sync::Arc;
 use twin_gcode::rs274::{
-    self, LengthUnit, ParameterFile, ParameterFileError, Position, ToolTable, ToolTableError,
+    self, Control, LengthUnit, ParameterFile, ParameterFileError, Position, ToolTable,
+    ToolTableError,
 };
 use twin_path::ExtraPosition;
 use twin_path::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
@@ -215,6 +216,7 @@ fn read_rs274(
         }
         read.ok()
     });
+    let controls = Control::ALL.map(|control| (control.name(), control));
     let tool = section.integer("tool", 0..=99_999).unwrap_or(0);
     let settle = section.number("probe_settle_s", 0.0..=60.0);
     let settle = settle.unwrap_or(if has_drives { PROBE_SETTLE_S } else { 0.0 });
@@ -231,6 +233,7 @@ fn read_rs274(
         tools,
         parameters: parameters.unwrap_or_default(),
         tool: u32::try_from(tool).unwrap_or(0),
+        control: section.choice("control", &controls),
         probe_settle_ns,
         ..defaults.clone()
     };

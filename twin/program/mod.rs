@@ -335,16 +335,19 @@ impl ProgramFile {
 
     /// Decoder options for RS274.
     pub(crate) fn rs274_options(&self, conditions: &ProgramConditions) -> rs274::DecoderOptions {
-        let ReadSettings { skip_suppressed, tools, jumps, depth, subroutines, .. } =
-            self.settings.clone();
+        let ReadSettings {
+            skip_suppressed, tools, jumps, depth, subroutines, control, strict, ..
+        } = self.settings.clone();
         let own = self.path.parent().map(Path::to_path_buf);
         let mut options = rs274::DecoderOptions {
             skip_suppressed_blocks: skip_suppressed,
             flow_limits: rs274::FlowLimits { jumps: jumps.into(), depth },
             subroutine_folders: own.into_iter().chain(subroutines).collect(),
+            strict,
             ..conditions.rs274.clone()
         };
         options.tools = tools.or(options.tools);
+        options.control = control.or(options.control);
         options
     }
 

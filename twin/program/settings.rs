@@ -6,7 +6,7 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
-use twin_gcode::rs274::{FlowLimits, ToolTable};
+use twin_gcode::rs274::{Control, FlowLimits, ToolTable};
 use twin_machine::limited_read;
 use twin_planner::controller::{DEFAULT_WINDOW, Inputs};
 
@@ -23,6 +23,10 @@ pub struct ReadSettings {
     pub depth: usize,
     /// Folders with subroutines of RS274, besides that of the program.
     pub subroutines: Vec<PathBuf>,
+    /// The control that an RS274 program is meant for, in place of that of the machine file.
+    pub control: Option<Control>,
+    /// Refuse what LinuxCNC refuses.
+    pub strict: bool,
     /// Tools of RS274 programs, in place of those of the machine file.
     pub tools: Option<ToolTable>,
     /// Operations on the path before it is prepared.
@@ -45,6 +49,8 @@ impl Default for ReadSettings {
             jumps: DEFAULT_JUMPS,
             depth: FlowLimits::default().depth,
             subroutines: Vec::new(),
+            control: None,
+            strict: false,
             tools: None,
             operations: Operations::default(),
             inputs: Inputs::default(),

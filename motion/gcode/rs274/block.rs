@@ -231,6 +231,11 @@ impl Block {
         Some(usize::try_from(*start).ok()?..usize::try_from(*end).ok()?)
     }
 
+    /// The bytes of the last G or M word.
+    pub(super) fn code_columns(&self) -> Option<Range<usize>> {
+        self.code.clone()
+    }
+
     /// The same block with these coordinates in place of the polar ones.
     pub(super) fn with_coordinates(&self, x: f64, y: f64) -> Self {
         let mut block = self.clone();
@@ -250,6 +255,7 @@ impl Block {
         upper: u8,
         value: f64,
         columns: Range<usize>,
+        strict: bool,
         problems: &mut Vec<Problem>,
     ) {
         if matches!(upper, b'G' | b'M') {
@@ -257,7 +263,7 @@ impl Block {
         }
         let result = match upper {
             b'G' => self.add_g(value),
-            b'M' => self.add_m(value),
+            b'M' => self.add_m(value, strict),
             _ => self.add_word(Letter::new(upper), value, &columns),
         };
         if let Err(error) = result {
@@ -307,7 +313,7 @@ impl Block {
         })
     }
 
-    fn add_m(&mut self, value: f64) -> Result<(), DecodeError> {
+    fn add_m(&mut self, value: f64, strict: bool) -> Result<(), DecodeError> {
         let unsupported = || DecodeError::UnsupportedCode { letter: 'M', number: value };
         self.m_count += 1;
         if self.m_count > MAX_M_WORDS {
@@ -319,6 +325,9 @@ impl Block {
             let before = self.subroutine.replace(number);
             let conflict = DecodeError::Conflict { letter: 'M', number: value };
             return if before.is_none() { Ok(()) } else { Err(conflict) };
+        }
+        if strict && !MWords::knows(number) {
+            return Err(unsupported());
         }
         self.m.add(number).map_err(|error| match error {
             CodeError::Unsupported => unsupported(),

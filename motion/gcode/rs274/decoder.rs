@@ -3,6 +3,7 @@
 use super::block::Block;
 use super::error::{DecodeError, Failure, Item, Problem};
 use super::flow::{Control, Effect, Flow, FlowError, Keyword};
+use super::leniency::Leniency;
 use super::lexer::{self, Lexer};
 use super::options::{DecoderOptions, PathMode, Position};
 use super::output::Output;
@@ -14,6 +15,9 @@ use twin_path::Place;
 
 /// The longest line that is read, its end included, bytes.
 pub const MAX_LINE_BYTES: usize = 1 << 16;
+
+/// The same where LinuxCNC is obeyed.
+const STRICT_LINE_BYTES: usize = 253;
 
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
@@ -32,6 +36,8 @@ pub struct Decoder<R> {
     program_number: Option<u32>,
     /// There was a `%`, or anything else but comments and blanks.
     begun: bool,
+    /// It was a `%`.
+    percent: bool,
     /// There was anything but comments, blanks, a `%` and an O word.
     under_way: bool,
     pub(super) ended: bool,
@@ -54,6 +60,7 @@ impl<R: BufRead> Decoder<R> {
             line: Vec::new(),
             program_number: None,
             begun: false,
+            percent: false,
             under_way: false,
             ended: false,
             last: Place::default(),
@@ -108,11 +115,17 @@ impl<R: BufRead> Decoder<R> {
         self.block.clear();
         let at = self.flow.next;
         match self.source.read(at, self.flow.keeps(), &mut self.line)? {
+            Reading::Line if self.state.strict && self.line.len() > STRICT_LINE_BYTES => {
+                self.arrive(at);
+                self.state.forgive_missing_feed();
+                self.out.error(None, DecodeError::LineTooLong(STRICT_LINE_BYTES));
+            }
             Reading::Line => {
                 self.arrive(at);
                 self.decode_line(at);
                 if self.ended {
                     self.state.end(&mut self.out);
+                    self.out.end();
                 }
             }
             Reading::TooLong => {
@@ -148,9 +161,17 @@ impl<R: BufRead> Decoder<R> {
             return;
         }
         self.ended = true;
-        self.out.warning(None, DecodeError::MissingEnd);
+        self.forgive(Leniency::NoEnd);
         self.out.place = self.last;
         self.state.end(&mut self.out);
+        self.out.end();
+    }
+
+    /// Passes over what LinuxCNC refuses in the line at hand, or reports it.
+    fn forgive(&mut self, leniency: Leniency) {
+        if let Err(Problem { columns, error }) = self.state.forgive(leniency, None, &mut self.out) {
+            self.out.error(columns, error);
+        }
     }
 
     fn decode_line(&mut self, at: Spot) {
@@ -164,8 +185,16 @@ impl<R: BufRead> Decoder<R> {
             None => return,
             Some(b'%') if rest.trim_ascii() == b"%" => {
                 // Those of subroutine files and of parts that are passed over mean nothing.
-                if at.file.is_none() && !self.flow.searches() {
-                    self.ended = std::mem::replace(&mut self.begun, true);
+                if at.file.is_some() || self.flow.searches() {
+                    return;
+                }
+                if !self.begun {
+                    (self.begun, self.percent) = (true, true);
+                    return;
+                }
+                self.ended = true;
+                if !self.percent {
+                    self.forgive(Leniency::ClosingPercent);
                 }
                 return;
             }
@@ -203,6 +232,7 @@ impl<R: BufRead> Decoder<R> {
         for Problem { columns, error } in self.problems.drain(..) {
             self.out.error(columns, error);
         }
+        self.state.recover(&self.block, &mut self.out);
         self.ended = matches!(self.block.m.stop, Some(2 | 30));
     }
 
@@ -226,12 +256,16 @@ impl<R: BufRead> Decoder<R> {
             }
             return;
         }
+        let before = self.state.location;
         match self.state.execute(&self.block, &mut self.out) {
             Ok(true) => {}
             Ok(false) => self.ended = true,
             Err(Problem { columns, error }) => {
                 self.state.adopt(&self.block);
                 self.out.error(columns, error);
+                if self.state.location == before {
+                    self.state.recover(&self.block, &mut self.out);
+                }
                 self.ended = matches!(self.block.m.stop, Some(2 | 30));
             }
         }

@@ -2,13 +2,14 @@
 
 use super::expression::ExpressionError;
 use super::flow::FlowError;
+use super::leniency::Leniency;
 use super::message::Message;
 use super::parameters::ParameterError;
 use super::settings::OffsetError;
 use crate::decode;
 use crate::decode::{Rule, TextError};
 use std::ops::Range;
-use twin_number::Short;
+use twin_number::{Short, counted};
 use twin_path::{Place, ProbeTrip, Probing};
 
 /// One thing wrong with a block.
@@ -36,9 +37,25 @@ pub enum DecodeError {
     /// `(` within a comment.
     #[error("comments cannot be nested")]
     NestedComment,
-    /// The file ends, and the program does not. A warning.
+    /// The file ends, and the program does not.
     #[error("the program does not end with M2, M30 or a second %")]
     MissingEnd,
+    /// The program ends with `%` only.
+    #[error("the program ends with %, and must begin with it then")]
+    MissingPercent,
+    /// What LinuxCNC refuses and is read nevertheless. A warning.
+    #[error("{0} (LinuxCNC refuses it)")]
+    Lenient(Leniency),
+    /// A warning that comes again.
+    #[error("{error}; the same {} more, the last in line {last}", counted(*more, "time"))]
+    Repeated {
+        /// The warning.
+        error: Box<DecodeError>,
+        /// How often it comes after this line.
+        more: usize,
+        /// The last line with it.
+        last: u32,
+    },
     /// A letter without its number.
     #[error("a number must follow after {0}")]
     MissingNumber(char),
@@ -494,7 +511,8 @@ fn lacking(probing: Probing) -> &'static str {
 impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
-            Self::InFile { error, .. } => error.rule(),
+            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.rule(),
+            Self::Lenient(leniency) => leniency.refusal().rule(),
             Self::UnsupportedLetter(_)
             | Self::UnsupportedAxis(_)
             | Self::UnsupportedCode { .. } => Rule::UnsupportedWord,
@@ -519,7 +537,7 @@ impl TextError for DecodeError {
     fn is_note(&self) -> bool {
         match self {
             Self::Message(_) => true,
-            Self::InFile { error, .. } => error.is_note(),
+            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.is_note(),
             _ => false,
         }
     }

@@ -13,9 +13,11 @@
 
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
+use super::leniency::Leniency;
 use super::output::Output;
 use super::parameters::Target;
 use super::state::State;
+use super::word::MWords;
 use twin_path::{ElementKind, MParameters};
 
 /// Parameter with the value that M66 has read.
@@ -71,12 +73,19 @@ impl State {
         Ok(())
     }
 
-    /// M100 to M199.
-    pub(super) fn call_user(&mut self, block: &Block, out: &mut Output) {
+    /// M100 to M199, and other numbers than those of LinuxCNC.
+    ///
+    /// # Errors
+    /// [`DecodeError::UnsupportedCode`] for the latter, where it is strict.
+    pub(super) fn call_user(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
         if let Some(number) = block.m.user {
+            if !MWords::knows(number) {
+                self.forgive(Leniency::UnknownM(number), block.code_columns(), out)?;
+            }
             let (k, l) = (block.get(Letter::P), block.get(Letter::Q));
             self.stand(ElementKind::MFunction { number }, MParameters { k, l, o: None }, out);
         }
+        Ok(())
     }
 }
 

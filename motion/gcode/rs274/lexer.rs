@@ -181,7 +181,7 @@ impl<'a> Lexer<'a> {
         let value = if self.is_number() { self.plain_number() } else { self.value().map(Some)? };
         let columns = start..self.at;
         match value {
-            Some(value) => block.add(upper, value, columns, problems),
+            Some(value) => block.add(upper, value, columns, self.state.strict, problems),
             None => problems.push(Problem {
                 columns: Some(columns),
                 error: DecodeError::InvalidNumber(letter),

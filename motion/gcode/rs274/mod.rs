@@ -51,10 +51,8 @@
 //!
 //! Differences from LinuxCNC 2.9, whose rules apply otherwise (its documentation, and its interpreter run over
 //! `tests/linuxcnc.rs` and a corpus of CAM output):
-//! - F must be programmed before the first feed move; LinuxCNC's previews begin with a feed of their own.
-//! - A file that ends without M2, M30 or second % gives a warning, and a % at the end is accepted without one at the
-//!   beginning. LinuxCNC refuses both after having run all of the program.
-//! - Lines may be longer than 255 characters. K0 (J0, I0) along the normal of an arc's plane has no effect.
+//! - What shops run on other controls is read with a warning ([`Leniency`]), and lines may be longer than 253 bytes. K0
+//!   (J0, I0) along the normal of an arc's plane has no effect. [`DecoderOptions::strict`] refuses all of this.
 //! - `continue` and `break` of a loop act as documented. In LinuxCNC a `break` of a `while` loop also ends the next `do`
 //!   loop after one pass, and a `break` between `continue` and the end of its `do` loop counts although it is passed over.
 //! - A block in inverse time (G93) takes the time that F says, and F0 is an error. LinuxCNC's interpreter goes at 0.1
@@ -105,6 +103,7 @@ mod error;
 mod expression;
 mod flow;
 mod input_output;
+mod leniency;
 mod lexer;
 mod message;
 mod modes;
@@ -134,6 +133,7 @@ pub use decoder::{Decoder, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item};
 pub use expression::ExpressionError;
 pub use flow::{FlowError, FlowLimits};
+pub use leniency::Leniency;
 pub use message::Message;
 pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference};
 pub use parameter_file::{ParameterFile, ParameterFileError};

@@ -482,7 +482,7 @@ impl Offsets {
 }
 
 /// Position of the tool: in the machine frame (m, degrees) and in the coordinates of the program.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Location {
     pub(super) machine: Position,
     /// X, Y, Z in the units of the program: what LinuxCNC calculates with, so that numbers of the program stay what

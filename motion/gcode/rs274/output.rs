@@ -13,6 +13,18 @@ pub(super) struct Output {
     pub(super) place: Place,
     /// Name and line, if the block is that of a subroutine file.
     pub(super) file: Option<(String, u32)>,
+    remarks: Vec<Remark>,
+}
+
+/// What is reported once, with its count, at the end of the program.
+#[derive(Debug)]
+struct Remark {
+    kind: DecodeError,
+    refused: bool,
+    /// The first of them.
+    first: Diagnostic,
+    more: usize,
+    last: u32,
 }
 
 impl Output {
@@ -33,6 +45,37 @@ impl Output {
     pub(super) fn error(&mut self, columns: Option<Range<usize>>, error: DecodeError) {
         let diagnostic = self.diagnostic(columns, error);
         self.items.push_back(Err(diagnostic.into()));
+    }
+
+    /// Remembers a warning, or an error if it is `refused`, for the end of the program.
+    pub(super) fn remark(
+        &mut self,
+        columns: Option<Range<usize>>,
+        kind: DecodeError,
+        refused: bool,
+    ) {
+        let line = self.place.line;
+        if let Some(remark) = self.remarks.iter_mut().find(|remark| remark.kind == kind) {
+            remark.more += 1;
+            remark.last = remark.last.max(line);
+            return;
+        }
+        let first = self.diagnostic(columns, kind.clone());
+        self.remarks.push(Remark { kind, refused, first, more: 0, last: line });
+    }
+
+    /// Passes on what has been remembered.
+    pub(super) fn end(&mut self) {
+        for Remark { refused, mut first, more, last, .. } in self.remarks.drain(..) {
+            if more > 0 {
+                first.error = DecodeError::Repeated { error: Box::new(first.error), more, last };
+            }
+            self.items.push_back(if refused {
+                Err(first.into())
+            } else {
+                Ok(Item::Warning(first))
+            });
+        }
     }
 
     fn diagnostic(&self, columns: Option<Range<usize>>, error: DecodeError) -> Diagnostic {

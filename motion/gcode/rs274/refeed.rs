@@ -150,6 +150,9 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
             }
             None => {}
         }
+        if !decoder.state.feed_given && decoder.state.feed == Some(Feed::ASSUMED) {
+            self.written = self.written.or(decoder.state.feed);
+        }
         match decoder.block.m.modes {
             Some(70 | 73) => self.saved = Some((self.programmed, self.written)),
             Some(71) => self.saved = None,

@@ -5,6 +5,7 @@ use super::compensation::Compensation;
 use super::cycle::Series;
 use super::error::{DecodeError, Problem};
 use super::input_output::m_letters;
+use super::leniency::Leniency;
 use super::modes::{Overrides, Saved};
 use super::offsets::{Home, Location, Offsets};
 use super::options::{DecoderOptions, LengthUnit, PathMode, Position};
@@ -15,6 +16,7 @@ use super::spindle::SurfaceSpeed;
 use super::spline::Nurbs;
 use super::tool_table::ToolTable;
 use super::word::{Compensate, FeedMode, Motion, OneShot, PathControl, Spline, ToolLength};
+use std::ops::Range;
 use twin_path::{ElementKind, MParameters, Plane};
 
 /// Limits of numbers, in their own units.
@@ -49,6 +51,8 @@ pub(super) struct State {
     pub(super) keep_spindle: bool,
     /// The move at hand follows the angle of the spindle.
     pub(super) synchronized: bool,
+    /// Refuses what LinuxCNC refuses.
+    pub(super) strict: bool,
     pub(super) tools: Option<ToolTable>,
     /// Without a tool table every tool exists, with length zero unless G10 says otherwise.
     pub(super) assumes_tools: bool,
@@ -67,6 +71,8 @@ pub(super) struct State {
     pub(super) units: LengthUnit,
     pub(super) plane: Plane,
     pub(super) motion: Motion,
+    /// A word has said how to move, or that nothing moves.
+    pub(super) motion_given: bool,
     pub(super) relative: bool,
     pub(super) absolute_centers: bool,
     /// G7: X words are diameters.
@@ -77,6 +83,8 @@ pub(super) struct State {
     pub(super) feed: Option<Feed>,
     /// F in force as the program wrote it.
     pub(super) feed_word: f64,
+    /// A block has had an F word.
+    pub(super) feed_given: bool,
     pub(super) feed_reported: bool,
     pub(super) series: Series,
     /// I and J of a G5 that has none, in units of the program: P and Q of the last G5, turned around.
@@ -114,6 +122,7 @@ impl State {
             keep_empty_moves: options.keep_empty_moves,
             keep_spindle: options.keep_spindle,
             synchronized: false,
+            strict: options.strict,
             assumes_tools: options.tools.is_none(),
             tools: options.tools,
             probe_target: options.surroundings.map(|surroundings| surroundings.target()),
@@ -126,6 +135,7 @@ impl State {
             units: options.units,
             plane: Plane::Xy,
             motion: Motion::Off,
+            motion_given: false,
             relative: false,
             absolute_centers: false,
             diameters: false,
@@ -134,6 +144,7 @@ impl State {
             path_mode: PathMode::default(),
             feed: None,
             feed_word: 0.0,
+            feed_given: false,
             feed_reported: false,
             series: Series::default(),
             spline_start: [0.0; 2],
@@ -150,6 +161,23 @@ impl State {
         };
         state.load_tool(options.tool);
         state
+    }
+
+    /// Passes over what LinuxCNC refuses, with a warning.
+    ///
+    /// # Errors
+    /// That of LinuxCNC, if it must be obeyed.
+    pub(super) fn forgive(
+        &self,
+        leniency: Leniency,
+        columns: Option<Range<usize>>,
+        out: &mut Output,
+    ) -> Result<(), Problem> {
+        if self.strict {
+            return Err(Problem { columns, error: leniency.refusal() });
+        }
+        out.remark(columns, DecodeError::Lenient(leniency), false);
+        Ok(())
     }
 
     /// Takes over the modes of a block that cannot be executed, so that the blocks after it mean what they are meant
@@ -180,6 +208,9 @@ impl State {
         let block = radius.as_ref().unwrap_or(block);
         // Most blocks: G1 X1 Y2, X1 Y2.
         let motion = self.motion_of(block)?;
+        if motion == Some(Motion::Rapid) && self.motion == Motion::Off && block.g.motion.is_none() {
+            self.forgive(Leniency::NoMotionWord, None, out)?;
+        }
         self.check_words(block, motion)?;
         self.check_before_compensation(block, out)?;
         self.set_feed(block)?;
@@ -210,6 +241,7 @@ impl State {
             self.set_motion(motion);
         }
         if let Some(motion) = motion {
+            self.assume_feed(motion, block, out);
             let cartesian;
             let block = if block.letters().meets(Letters::POLAR) {
                 cartesian = self.without_polar(block)?;
@@ -277,7 +309,10 @@ impl State {
             (Some(Motion::Off), true) => Err(DecodeError::AxesWithoutMotion),
             (Some(motion), _) => Ok(Some(motion)),
             (None, true) if block.g.tool_length == Some(ToolLength::Direct) => Ok(None),
-            (None, true) if self.motion == Motion::Off => Err(DecodeError::AxesWithoutMotion),
+            (None, true) if self.motion == Motion::Off => {
+                let assumed = (!self.motion_given).then_some(Motion::Rapid);
+                assumed.map(Some).ok_or(DecodeError::AxesWithoutMotion)
+            }
             (None, true) => Ok(Some(self.motion)),
             (None, false) if matches!(self.motion, Motion::Arc { .. }) => {
                 Ok(block.letters().meets(Letters::CENTER).then_some(self.motion))
@@ -391,12 +426,26 @@ impl State {
         }
         let Some(feed) = Self::in_range(block, Letter::F, MAX_FEED)? else { return Ok(()) };
         self.feed_word = feed;
+        self.feed_given = true;
         if self.feed_mode != FeedMode::InverseTime {
             self.feed = Some(Feed::per_minute(feed, self.units));
             // F0 is none.
             self.feed_reported &= feed <= 0.0;
         }
         Ok(())
+    }
+
+    /// Gives a program that has set none a feed.
+    fn assume_feed(&mut self, motion: Motion, block: &Block, out: &mut Output) {
+        let needs_none = matches!(motion, Motion::Rapid | Motion::Off | Motion::Thread(_));
+        if self.feed_given || self.strict || needs_none || self.feed_mode != FeedMode::PerMinute {
+            return;
+        }
+        self.feed = Some(Feed::ASSUMED);
+        // An F that could not be read has been reported.
+        if !self.feed_reported {
+            out.remark(block.last_columns(), DecodeError::Lenient(Leniency::NoFeed), false);
+        }
     }
 
     fn set_tool_and_speed(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
@@ -421,7 +470,7 @@ impl State {
             self.set_coolant(number, out);
         }
         self.set_overrides(block);
-        self.call_user(block, out);
+        self.call_user(block, out)?;
         Ok(())
     }
 
@@ -450,6 +499,7 @@ impl State {
     }
 
     fn set_motion(&mut self, motion: Motion) {
+        self.motion_given = true;
         match motion {
             // For their block only.
             Motion::Spline(Spline::Cubic | Spline::Quadratic) => return,

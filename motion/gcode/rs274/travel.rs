@@ -3,6 +3,7 @@
 use super::arc::Ends;
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
+use super::leniency::Leniency;
 use super::offsets::Location;
 use super::options::Position;
 use super::output::Output;
@@ -136,7 +137,7 @@ impl State {
         self.rotary |= block.letters().meets(Letters::ROTARY);
         self.check_exit(false)?;
         let to = self.target(block, self.relative)?;
-        match self.arc(clockwise, block, &to) {
+        match self.arc(clockwise, block, &to, out) {
             Ok(shape) if self.is_compensated() => self.compensate_arc(&shape, block, to, out),
             Ok(shape) => self.cut(shape, to, block.get(Letter::F), out),
             Err(problem) => {
@@ -148,7 +149,13 @@ impl State {
         }
     }
 
-    fn arc(&self, clockwise: bool, block: &Block, to: &Location) -> Result<Shape, Problem> {
+    fn arc(
+        &self,
+        clockwise: bool,
+        block: &Block,
+        to: &Location,
+        out: &mut Output,
+    ) -> Result<Shape, Problem> {
         if let Some(degrees) = self.offsets.rotation()
             && self.plane != twin_path::Plane::Xy
         {
@@ -174,18 +181,24 @@ impl State {
             in_range(block, Letter::R, radius, MAX_RADIUS, " m")?;
             ends.by_radius(radius)?
         } else {
-            let center = self.center(block, [first, second, normal])?;
+            let center = self.center(block, [first, second, normal], out)?;
             ends.about_center(&center, self.units)?
         };
         Ok(Shape::Arc(arc))
     }
 
     /// The centre that I, J and K say, m.
-    fn center(&self, block: &Block, axes: [Axis; 3]) -> Result<Point3<f64>, Problem> {
+    fn center(
+        &self,
+        block: &Block,
+        axes: [Axis; 3],
+        out: &mut Output,
+    ) -> Result<Point3<f64>, Problem> {
         let [first, second, normal] = axes;
-        if block.get(normal.center).is_some_and(|word| word != 0.0) {
-            let error = DecodeError::CenterOutsidePlane(normal.center.as_char());
-            return Err(Problem { columns: block.columns(normal.center), error });
+        let harmful = |word| self.strict || word != 0.0;
+        if block.get(normal.center).is_some_and(harmful) {
+            let leniency = Leniency::CenterOutsidePlane(normal.center.as_char());
+            self.forgive(leniency, block.columns(normal.center), out)?;
         }
         if !block.letters().meets(Letters::CENTER) {
             return Err(DecodeError::ArcWithoutCenter.into());
@@ -259,6 +272,29 @@ impl State {
         Shape::Line {
             start: Point3::from(self.tool_position().linear),
             end: Point3::from(to.machine.linear),
+        }
+    }
+
+    /// Lets the path go on where a block that cannot be executed was meant to end, as far as that is known.
+    pub(super) fn recover(&mut self, block: &Block, out: &mut Output) {
+        let of_block = block.g.motion.unwrap_or(self.motion);
+        let to = match (block.g.one_shot, of_block) {
+            (Some(OneShot::MachineFrame), _) => self.machine_target(block),
+            (Some(OneShot::Dwell) | None, Motion::Cycle(_)) => {
+                // Above the hole.
+                let [.., normal] = self.axes();
+                let height = self.location.program[normal.index];
+                self.target(block, self.relative).and_then(|to| self.with(&to, normal, height))
+            }
+            // They end where they touch something, or where they began.
+            (_, Motion::Off | Motion::Probe(_) | Motion::Thread(_)) => return,
+            (Some(OneShot::Dwell) | None, _) => self.target(block, self.relative),
+            _ => return,
+        };
+        let Ok(to) = to else { return };
+        if to != self.location {
+            self.interrupt_compensation(out);
+            self.location = to;
         }
     }
 

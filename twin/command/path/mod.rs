@@ -172,7 +172,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     settings.operations = arguments.operations.operations()?;
     let frame = machine.as_ref().map_or_else(WorkFrame::identity, |machine| machine.frame);
     let format = arguments.chosen_format()?;
-    conditions.rs274.keep_spindle = format == Format::Rs274;
+    let mut control = None;
+    if format == Format::Rs274 {
+        // It reads what is written, not the source.
+        control = settings.control.take().or(conditions.rs274.control);
+        (conditions.rs274.control, conditions.rs274.keep_spindle) = (None, true);
+    }
 
     let source = &arguments.program;
     let (programs, notes) = if drawing::is_drawing(source, arguments.read.dialect)? {
@@ -211,7 +216,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             conditions: &conditions,
             frame,
             prepare: arguments.preparation.prepare,
-            control: None,
+            control,
             setpoints: &arguments.setpoints,
             findings: Vec::new(),
             left_out: 0,

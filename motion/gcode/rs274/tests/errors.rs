@@ -1,7 +1,7 @@
 //! Tests of every error: its message, its line and the bytes it points at. LinuxCNC's rules define the errors
 //! (`linuxcnc.rs`); the messages are ours.
 
-use super::*;
+use super::{decode_strictly as decode, *};
 use crate::decode::{Rule, TextError};
 use crate::rs274::{MAX_LINE_BYTES, ToolTable, tests::probe::above};
 use std::collections::BTreeMap;
@@ -22,7 +22,8 @@ fn every_message() {
     for (rule, row) in rows {
         let [block, pointed, messages @ ..] = &row[..] else { panic!("{row:?}") };
         assert!(messages.len() == 1 || rule == "UnsupportedWord", "{row:?}");
-        let options = DecoderOptions { tools: Some(ToolTable::default()), ..above(1e9) };
+        let options =
+            DecoderOptions { tools: Some(ToolTable::default()), strict: true, ..above(1e9) };
         let decoded = decode_with(options, format!("F100 G1\nX1 Y1\n{block}\nM2\n").as_bytes());
         let found: Vec<_> = decoded.errors.iter().map(|one| one.error.to_string()).collect();
         assert_eq!(found, *messages, "{block:?}");
@@ -37,7 +38,7 @@ fn every_message() {
             assert_eq!(decoded.elements, before, "{block:?} is executed");
         }
     }
-    let decoded = decode(&format!("G0 X{}\nM2", "9".repeat(400)));
+    let decoded = super::decode(&format!("G0 X{}\nM2", "9".repeat(400)));
     assert_eq!(
         decoded.errors[0].to_string(),
         "line 1: X is inf, outside -1000000000000 to 1000000000000"
@@ -93,15 +94,11 @@ fn missing_feed() {
 #[test]
 fn warnings() {
     let messages = |program: &str| -> Vec<String> {
-        let decoded = decode(program);
+        let decoded = super::decode(program);
         assert_eq!(decoded.errors, []);
         decoded.warnings.iter().map(ToString::to_string).collect()
     };
-    let end = "the program does not end with M2, M30 or a second %";
-    assert_eq!(messages("G0 X1\n\n"), [format!("line 2: {end}")]);
-    assert_eq!(messages("%\nG0 X1"), [format!("line 2: {end}")]);
     assert_eq!(messages("%\nG0 X1\n%"), [""; 0]);
-    assert_eq!(messages("G0 X1\n%"), [""; 0]);
     assert_eq!(messages("G0 X1 M30"), [""; 0]);
     assert_eq!(
         messages("G43 H3\nM2"),
@@ -116,12 +113,12 @@ fn long_lines() {
     assert_eq!(elements(&fits).len(), 1);
     for extra in [1, 2, 10, 3 * MAX_LINE_BYTES] {
         let long = format!("G0 X1{}", " ".repeat(MAX_LINE_BYTES - 6 + extra));
-        let decoded = decode(&format!("{long}\nG0 X2\nM2"));
+        let decoded = super::decode(&format!("{long}\nG0 X2\nM2"));
         let [error] = &decoded.errors[..] else { panic!("{:?}", decoded.errors) };
         assert_eq!(error.to_string(), "line 1: the line is longer than 65536 bytes");
         assert_eq!(error.error.rule(), Rule::Syntax);
         assert_eq!(decoded.elements[0].place.line, 2);
-        assert_eq!(decode(&format!("{long} ")).errors.len(), 1, "without a line end");
+        assert_eq!(super::decode(&format!("{long} ")).errors.len(), 1, "without a line end");
     }
 }
 
@@ -147,4 +144,28 @@ fn modes_of_an_erroneous_block_hold() {
     assert_eq!(decoded.elements[2].kind, ElementKind::Jump);
     // M2 ends the program although there is something wrong in its block.
     assert_eq!(decode("G0 X1\nM2 M29\nX2").elements.len(), 1);
+}
+
+/// Behind a block with an error the path goes on where it was meant to end, and nothing else is wrong.
+#[test]
+fn twenty_faults_are_twenty_errors() {
+    let decoded = decode(include_str!("faults.ngc"));
+    let lines: Vec<_> = decoded.errors.iter().map(|error| error.place.line).collect();
+    let marked = include_str!("faults.ngc").lines().zip(1..);
+    let faults: Vec<u32> =
+        marked.filter(|(text, _)| text.contains("(fault")).map(|(_, line)| line).collect();
+    assert_eq!(faults.len(), 20);
+    assert_eq!(lines, faults);
+    for pair in decoded.elements.windows(2) {
+        assert_eq!(pair[0].end(), pair[1].start());
+    }
+    // Every move is 10 mm long and goes to the X of its line but for jumps, which make up for faults.
+    let moves =
+        decoded.elements.iter().filter(|it| it.kind != ElementKind::Jump && it.place.line > 3);
+    for element in moves {
+        let x = f64::from(element.place.line) * 0.01;
+        assert!((element.end().x - x).abs() < 1e-12, "{element:?}");
+        assert!((element.start().x - x).abs() < 0.010_001, "{element:?}");
+    }
+    assert_eq!(ends_mm(&decoded.elements).last(), Some(&[440.0, 0.0, 0.0]));
 }

@@ -8,6 +8,7 @@ mod corpus;
 mod cycles;
 mod errors;
 mod generate;
+mod leniency;
 mod linuxcnc;
 mod modes;
 mod moves;
@@ -59,6 +60,11 @@ fn decode_with(options: DecoderOptions, program: &[u8]) -> Decoded {
 
 fn decode(program: &str) -> Decoded {
     decode_with(DecoderOptions::default(), program.as_bytes())
+}
+
+/// As [`decode`], with the rules of LinuxCNC.
+fn decode_strictly(program: &str) -> Decoded {
+    decode_with(DecoderOptions { strict: true, ..DecoderOptions::default() }, program.as_bytes())
 }
 
 /// The elements of a program in which nothing is wrong.

@@ -23,12 +23,14 @@ pub(super) struct Move {
 /// Decodes a program as LinuxCNC was run: every tool is there, with length zero and a diameter of 6 mm, all
 /// offsets are zero. Moves are those of the tool's tip.
 pub(super) fn decode_as_linuxcnc(program: &[u8]) -> Decoded {
+    decode_with(DecoderOptions { strict: true, ..as_linuxcnc() }, program)
+}
+
+/// The tools of LinuxCNC, and where it measures positions.
+pub(super) fn as_linuxcnc() -> DecoderOptions {
     let tools = (0..200).map(|number| Tool { number, diameter: 0.006, ..Tool::default() });
     let tools = Some(ToolTable::new(tools));
-    decode_with(
-        DecoderOptions { tools, reference: ToolReference::Tip, ..DecoderOptions::default() },
-        program,
-    )
+    DecoderOptions { tools, reference: ToolReference::Tip, ..DecoderOptions::default() }
 }
 
 /// Asserts that the moves before the first error are LinuxCNC's, but for those of the block with the error, of which

@@ -79,7 +79,10 @@ fn suppressed_blocks() {
     let options = DecoderOptions { skip_suppressed_blocks: true, ..DecoderOptions::default() };
     assert_eq!(ends_mm(&elements_with(options, program)), [[1.0, 0.0, 0.0], [4.0, 0.0, 0.0]]);
     assert_eq!(decode(program).errors.len(), 1);
-    assert_eq!(decode(program).elements.len(), 3);
+    // The path goes on at X3.
+    let decoded = decode(program);
+    assert_eq!(ends(&decoded.elements), "1 0 0 | 2 0 0 | 3 0 0 | 4 0 0");
+    assert_eq!(decoded.elements[2].kind, ElementKind::Jump);
 }
 
 #[test]

@@ -33,27 +33,13 @@ pub enum WriteError {
         /// K, L or O.
         parameter: char,
     },
-    /// Part of an element that no word of RS274 expresses.
+    /// Something that moves, arcs and M functions of RS274 cannot express.
     #[error("{place}: RS274 cannot express {what}")]
     Inexpressible {
         /// The element's block.
         place: Place,
-        /// The part.
+        /// Part of the element, and what to do.
         what: &'static str,
-    },
-    /// Tool radius compensation and other preparation that is still to be done.
-    #[error("{0}: the path is not prepared (G41, G42, G51, G52, G61): use --prepare")]
-    Unprepared(Place),
-    /// A thread (G33, G33.1, G76), whose moves follow the angle of the spindle.
-    #[error("{0}: moves of a thread follow the angle of the spindle, which lines cannot repeat")]
-    Thread(Place),
-    /// A probing move whose programmed end is behind the point where the probe trips.
-    #[error("{place}: the path does not contain the programmed end of {probing}")]
-    ProbeEnd {
-        /// The element's block.
-        place: Place,
-        /// The programmed move.
-        probing: Probing,
     },
     /// A move behind a probing move.
     #[error("{place}: the position depends on where {probing} ends on the machine")]

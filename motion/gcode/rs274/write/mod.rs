@@ -122,7 +122,8 @@ impl<W: Write> ProgramWriter<W> {
             ElementKind::Rapid | ElementKind::Cut => self.motion(element)?,
             ElementKind::Probe { probing, outcome } => {
                 if outcome == ProbeOutcome::Tripped {
-                    return Err(WriteError::ProbeEnd { place: element.place, probing });
+                    let what = "a probing move without its programmed end, which the path lacks";
+                    return Err(WriteError::Inexpressible { place: element.place, what });
                 }
                 self.line(element, Some(probing))?;
                 self.probed = Some(probing);
@@ -156,7 +157,7 @@ impl<W: Write> ProgramWriter<W> {
         let inexpressible = |what| Err(WriteError::Inexpressible { place, what });
         let (start, end) = (self.axes(element, false), self.axes(element, true));
         if element.marks != Marks::default() {
-            return Err(WriteError::Unprepared(place));
+            return inexpressible("G41 to G61 of DIN 66025; use --prepare");
         }
         if !element.switches().is_empty() {
             return inexpressible("switches on the way (H)");
@@ -173,7 +174,7 @@ impl<W: Write> ProgramWriter<W> {
                 return inexpressible("the S profile (S3, S7 to S11)");
             }
             if details.spindle.is_some_and(|spindle| spindle.synchronized) {
-                return Err(WriteError::Thread(place));
+                return inexpressible("threads as lines: they follow the angle of the spindle");
             }
         }
         if element.kind == ElementKind::Jump && self.moved {
