@@ -83,6 +83,12 @@ rules! {
         meaning: "a word that the dialect, or this version of twin, does not know",
         remedy: "leave the word out, or write the program in the other dialect",
     }
+    Control {
+        name: "control",
+        severities: [Error, Warning],
+        meaning: "a word that the control of --for refuses (error), passes over or reads differently",
+        remedy: "`twin path PROGRAM --for CONTROL --format rs274` writes the path with words that this control takes",
+    }
     ArcGeometry {
         name: "arc-geometry",
         severities: [Error, Warning],

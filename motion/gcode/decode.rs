@@ -56,12 +56,19 @@ pub enum Rule {
     Probe,
     /// A tool whose radius does not fit the contour.
     CompensationGouge,
+    /// A word that the control of the program does not take as its dialect has it.
+    Control,
 }
 
 /// Error of a block in one dialect.
 pub trait TextError: std::error::Error {
     /// The rule it breaks.
     fn rule(&self) -> Rule;
+
+    /// What to do about it, if more can be said than the rule says.
+    fn hint(&self) -> Option<String> {
+        None
+    }
 
     /// True if it only says how the text is read, and nothing is wrong.
     fn is_note(&self) -> bool {

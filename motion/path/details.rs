@@ -25,6 +25,8 @@ pub struct Details {
     pub parameters: MParameters,
     /// The spindle along the element, if the decoder is to keep it.
     pub spindle: Option<Spindle>,
+    /// The third extra axis is U of RS274, in mm, not C.
+    pub third_is_u: bool,
 }
 
 /// The spindle along an element.

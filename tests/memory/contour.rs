@@ -79,7 +79,7 @@ pub fn din66025_options() -> din66025::DecoderOptions {
 /// Decoder options for it.
 pub fn rs274_options() -> rs274::DecoderOptions {
     rs274::DecoderOptions {
-        start: rs274::Position { linear: START, rotary: [0.0; 3] },
+        start: rs274::Position { linear: START, ..rs274::Position::default() },
         acceleration: ACCELERATION,
         deceleration: ACCELERATION,
         ..rs274::DecoderOptions::default()

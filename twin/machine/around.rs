@@ -39,9 +39,10 @@ pub(crate) fn surroundings(machine: &Machine) -> Option<Surroundings> {
 
 impl Clearance for Around {
     fn at(&mut self, at: &Position, point_from_tip: &[f64; 3]) -> Option<f64> {
-        let rotary = |number: u8| at.rotary.get(usize::from(number)).copied().unwrap_or_default();
+        let extra = at.extra_axes();
+        let extra = |number: u8| extra.get(usize::from(number)).copied().unwrap_or_default();
         let direction = match self.direction {
-            DirectionRule::Additional(number, angle) => angle + rotary(number).to_radians(),
+            DirectionRule::Additional(number, angle) => angle + extra(number).to_radians(),
             rule @ (DirectionRule::Path(..) | DirectionRule::Fixed(_)) => rule.at_start(),
         };
         let pose = Pose { position: at.linear.into(), direction };
@@ -50,7 +51,7 @@ impl Clearance for Around {
         let sources = self.kinematics.sources().iter().zip(&self.units);
         for (position, (source, unit)) in axes.iter_mut().zip(sources) {
             if let AxisSource::Additional(number) = *source {
-                *position = rotary(number) * unit;
+                *position = extra(number) * unit;
             }
         }
         self.near = axes;

@@ -134,9 +134,8 @@ pub(super) fn read(root: &Section<'_>, file: &Path, has_drives: bool) -> Program
     program.finish();
 
     let start = start.map(|value| value * 1e-3);
-    let [a, b, c, _, _] = start_additional;
     let rs274 = rs274::DecoderOptions {
-        start: Position { linear: start, rotary: [a, b, c] },
+        start: Position::new(start, start_additional),
         ..read_rs274(&root.section("rs274"), file, has_drives, &defaults.rs274)
     };
     let preparation = read_preparation(&root.section("preparation"));

@@ -93,13 +93,14 @@ impl<C: Clearance> ProbeTarget for TripSearch<C> {
     }
 }
 
-/// Length of a move, m; where only rotary axes move a millimetre a degree.
+/// Length of a move, m: the longest of those in X Y Z, in U V W and, a millimetre a degree, in A B C.
 fn length(path: &ProbePath) -> f64 {
     let norm = |from: [f64; 3], to: [f64; 3]| {
         from.iter().zip(to).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt()
     };
     let linear = norm(path.start.linear, path.end.linear);
-    linear.max(norm(path.start.rotary, path.end.rotary) * 1e-3)
+    let parallel = norm(path.start.parallel, path.end.parallel);
+    linear.max(parallel).max(norm(path.start.rotary, path.end.rotary) * 1e-3)
 }
 
 /// Axis positions at `part` of a move.
@@ -112,5 +113,6 @@ fn between(path: &ProbePath, part: f64) -> Position {
         at
     };
     let linear = of(path.start.linear, path.end.linear);
-    Position { linear, rotary: of(path.start.rotary, path.end.rotary) }
+    let rotary = of(path.start.rotary, path.end.rotary);
+    Position { linear, rotary, parallel: of(path.start.parallel, path.end.parallel) }
 }

@@ -332,8 +332,10 @@ fn finding<E: TextError>(diagnostic: &Diagnostic<E>) -> Finding {
         decode::Rule::ArcGeometry => Rule::ArcGeometry,
         decode::Rule::Probe => Rule::Probe,
         decode::Rule::CompensationGouge => Rule::CompensationGouge,
+        decode::Rule::Control => Rule::Control,
     };
     let mut finding = Finding::error(rule, diagnostic.place, diagnostic.error.to_string());
     finding.columns.clone_from(&diagnostic.columns);
+    finding.hint = diagnostic.error.hint();
     finding
 }

@@ -136,7 +136,7 @@ fn unknown_surroundings_are_a_warning() {
 }
 
 fn path(from: [f64; 3], to: [f64; 3], trips: ProbeTrip) -> ProbePath {
-    let at = |linear| Position { linear, rotary: [0.0; 3] };
+    let at = |linear| Position { linear, ..Position::default() };
     ProbePath {
         place: Place { line: 1, block: None },
         start: at(from),

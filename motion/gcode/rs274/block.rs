@@ -32,6 +32,9 @@ impl Letter {
     pub(super) const R: Self = Self(17);
     pub(super) const S: Self = Self(18);
     pub(super) const T: Self = Self(19);
+    pub(super) const U: Self = Self(20);
+    pub(super) const V: Self = Self(21);
+    pub(super) const W: Self = Self(22);
     pub(super) const X: Self = Self(23);
     pub(super) const Y: Self = Self(24);
     pub(super) const Z: Self = Self(25);
@@ -39,19 +42,21 @@ impl Letter {
     pub(super) const RADIUS: Self = Self(26);
     /// `^`: angle about the origin.
     pub(super) const ANGLE: Self = Self(27);
+    /// `$`: number of the spindle.
+    pub(super) const SPINDLE: Self = Self(28);
 
-    /// The linear axes in the order of coordinates.
-    pub(super) const LINEAR: [Self; 3] = [Self::X, Self::Y, Self::Z];
-    /// The rotary axes in the order of coordinates.
-    pub(super) const ROTARY: [Self; 3] = [Self::A, Self::B, Self::C];
+    /// The axes in the order of coordinates.
+    pub(super) const AXES: [Self; 9] =
+        [Self::X, Self::Y, Self::Z, Self::A, Self::B, Self::C, Self::U, Self::V, Self::W];
     /// The words of an arc's centre in the order of coordinates.
     pub(super) const CENTER: [Self; 3] = [Self::I, Self::J, Self::K];
 
-    /// The letter of an ASCII letter in upper case, `@` or `^`.
+    /// The letter of an ASCII letter in upper case, `@`, `^` or `$`.
     fn new(upper: u8) -> Self {
         match upper {
             b'@' => Self::RADIUS,
             b'^' => Self::ANGLE,
+            b'$' => Self::SPINDLE,
             _ => Self(upper.wrapping_sub(b'A') % 26),
         }
     }
@@ -60,6 +65,7 @@ impl Letter {
         match self {
             Self::RADIUS => '@',
             Self::ANGLE => '^',
+            Self::SPINDLE => '$',
             Self(index) => char::from(b'A' + index),
         }
     }
@@ -86,12 +92,16 @@ impl Letters {
         Letter::R,
         Letter::S,
         Letter::T,
+        Letter::SPINDLE,
     ]));
-    pub(super) const LINEAR: Self = Self::of(&Letter::LINEAR);
-    pub(super) const ROTARY: Self = Self::of(&Letter::ROTARY);
+    pub(super) const LINEAR: Self = Self::of(&[Letter::X, Letter::Y, Letter::Z]);
+    pub(super) const ROTARY: Self = Self::of(&[Letter::A, Letter::B, Letter::C]);
+    pub(super) const PARALLEL: Self = Self::of(&[Letter::U, Letter::V, Letter::W]);
+    /// The axes that are extra axes of the path.
+    pub(super) const EXTRA: Self = Self::ROTARY.with(Self::PARALLEL);
     pub(super) const CENTER: Self = Self::of(&Letter::CENTER);
     pub(super) const POLAR: Self = Self::of(&[Letter::RADIUS, Letter::ANGLE]);
-    pub(super) const AXES: Self = Self::LINEAR.with(Self::ROTARY).with(Self::POLAR);
+    pub(super) const AXES: Self = Self::LINEAR.with(Self::EXTRA).with(Self::POLAR);
 
     #[expect(clippy::indexing_slicing, reason = "evaluated by the compiler")]
     pub(super) const fn of(letters: &[Letter]) -> Self {
@@ -122,7 +132,7 @@ impl Letters {
 
     /// The first of them in the alphabet.
     pub(super) fn first(self) -> Option<Letter> {
-        u8::try_from(self.0.trailing_zeros()).ok().filter(|index| *index < 28).map(Letter)
+        u8::try_from(self.0.trailing_zeros()).ok().filter(|index| *index < 29).map(Letter)
     }
 }
 
@@ -147,8 +157,8 @@ pub(super) struct Block {
     /// The last comment, if it is a message.
     pub(super) message: Option<Message>,
     present: Letters,
-    values: [f64; 28],
-    columns: [(u32, u32); 28],
+    values: [f64; 29],
+    columns: [(u32, u32); 29],
     m_count: u8,
     /// Bytes of the last G or M word.
     code: Option<Range<usize>>,
@@ -278,9 +288,6 @@ impl Block {
         columns: &Range<usize>,
     ) -> Result<(), DecodeError> {
         let name = letter.as_char();
-        if matches!(name, 'U' | 'V' | 'W') {
-            return Err(DecodeError::UnsupportedAxis(name));
-        }
         if !Letters::KNOWN.contains(letter) {
             return Err(DecodeError::UnsupportedLetter(name));
         }

@@ -197,7 +197,7 @@ impl State {
         }
         let initial = series.initial.unwrap_or_else(|| height(self));
         let (mut retract, mut bottom) = (series.retract, series.bottom);
-        let mut middle = series.center[normal.index];
+        let mut middle = series.center[normal.index % 3];
         if self.relative {
             retract += initial;
             bottom += retract;
@@ -263,7 +263,7 @@ impl State {
             Step::Aside(away) => {
                 let mut to = self.location;
                 for (axis, at) in [first, second].into_iter().zip(hole.at) {
-                    let offset = if away { hole.series.center[axis.index] } else { 0.0 };
+                    let offset = if away { hole.series.center[axis.index % 3] } else { 0.0 };
                     to = self.with(&to, axis, at + offset)?;
                 }
                 self.rapid(to, out);

@@ -1,6 +1,7 @@
 //! Decoder: reads a program line by line.
 
-use super::block::Block;
+use super::block::{Block, Letter};
+use super::control;
 use super::error::{DecodeError, Failure, Item, Problem};
 use super::flow::{Control, Effect, Flow, FlowError, Keyword};
 use super::leniency::Leniency;
@@ -167,6 +168,13 @@ impl<R: BufRead> Decoder<R> {
         self.out.end();
     }
 
+    /// Says what the control does with a line of %.
+    fn note_percent(&mut self) {
+        if let Some(meant) = self.state.control {
+            control::check(meant, b"%", &Block::default(), None, &self.state, &mut self.out);
+        }
+    }
+
     /// Passes over what LinuxCNC refuses in the line at hand, or reports it.
     fn forgive(&mut self, leniency: Leniency) {
         if let Err(Problem { columns, error }) = self.state.forgive(leniency, None, &mut self.out) {
@@ -190,9 +198,11 @@ impl<R: BufRead> Decoder<R> {
                 }
                 if !self.begun {
                     (self.begun, self.percent) = (true, true);
+                    self.note_percent();
                     return;
                 }
                 self.ended = true;
+                self.note_percent();
                 if !self.percent {
                     self.forgive(Leniency::ClosingPercent);
                 }
@@ -210,6 +220,10 @@ impl<R: BufRead> Decoder<R> {
         }
         let control = lexer::lex(line, begin, &self.state, &mut self.block, &mut self.problems);
         self.out.place.block = self.block.number;
+        if let Some(meant) = self.state.control.filter(|_| self.problems.is_empty()) {
+            let keyword = control.as_ref().map(|(_, keyword, _)| *keyword);
+            control::check(meant, line, &self.block, keyword, &self.state, &mut self.out);
+        }
         if let Some((label, keyword, values)) = control {
             let control = Lexer::new(line, values, &self.state).control(label, keyword);
             match control {
@@ -273,6 +287,11 @@ impl<R: BufRead> Decoder<R> {
 
     /// Carries out M98 with the number of a subroutine and of its calls, or M99.
     fn go(&mut self, m: u16, (program, count): (u32, u32)) -> Result<(), Problem> {
+        let has_l = self.block.get(Letter::L).is_some();
+        let (program, count) = match self.state.control {
+            Some(control) => control.calls((program, count), has_l),
+            None => (program, count),
+        };
         let effect = if m == 98 {
             self.flow.call_numbered(program.into(), count)
         } else if self.flow.is_in_subroutine() {

@@ -1,5 +1,6 @@
 //! Decode errors and warnings, with line and columns.
 
+use super::control::ControlFinding;
 use super::expression::ExpressionError;
 use super::flow::FlowError;
 use super::leniency::Leniency;
@@ -46,8 +47,11 @@ pub enum DecodeError {
     /// What LinuxCNC refuses and is read nevertheless. A warning.
     #[error("{0} (LinuxCNC refuses it)")]
     Lenient(Leniency),
+    /// What the control of the program does not take as LinuxCNC does. A warning unless it refuses it.
+    #[error("{0}")]
+    OfControl(ControlFinding),
     /// A warning that comes again.
-    #[error("{error}; the same {} more, the last in line {last}", counted(*more, "time"))]
+    #[error("{error}; {} more, last in line {last}", counted(*more, "time"))]
     Repeated {
         /// The warning.
         error: Box<DecodeError>,
@@ -115,6 +119,9 @@ pub enum DecodeError {
     /// `@` or `^` in a block that does not move, or with G28, G30, G53 or G92.
     #[error("polar coordinates (@ and ^) are for motions, and not with G28, G30, G53 or G92")]
     PolarWithoutMotion,
+    /// `@` or `^` in another plane than that of X and Y.
+    #[error("polar coordinates (@ and ^) need the plane G17: write it in a block before")]
+    PolarOutsideXy,
     /// `@` or `^` and X or Y.
     #[error("polar coordinates (@ and ^) cannot be used with X or Y in one block")]
     PolarAndCoordinate,
@@ -302,8 +309,8 @@ pub enum DecodeError {
         /// Height of the bottom.
         bottom: f64,
     },
-    /// Compensation in the plane of Y and Z.
-    #[error("G{0} needs the plane G17 or G18, not G19")]
+    /// Compensation in another plane than those of X and Y or Z and X.
+    #[error("G{0} needs the plane G17 or G18")]
     CompensationPlane(f64),
     /// Compensation that is on already.
     #[error("G{0} begins cutter radius compensation, which is on already: end it with G40 before")]
@@ -386,9 +393,33 @@ pub enum DecodeError {
     /// Offsets set by the program.
     #[error(transparent)]
     Offset(#[from] OffsetError),
-    /// A word of a second set of linear axes.
-    #[error("{0} axes are not supported; the axes are X Y Z A B C")]
-    UnsupportedAxis(char),
+    /// Both C and U, the same extra axis.
+    #[error(
+        "{second} and {first}, which the program has used before, are the same extra axis: use one of them only, or V or W in place of U"
+    )]
+    SharedAxis {
+        /// C or U, which has come first.
+        first: char,
+        /// The other one.
+        second: char,
+    },
+    /// A spindle that does not exist.
+    #[error(
+        "$ selects the spindle {}, but there is one spindle, number 0: leave $ out{}",
+        Short(*number),
+        if *takes_all { ", or write $-1 for all spindles" } else { "" }
+    )]
+    Spindle {
+        /// Number of the spindle.
+        number: f64,
+        /// -1 is all spindles.
+        takes_all: bool,
+    },
+    /// An arc in a plane of U, V and W.
+    #[error(
+        "G2 and G3 are not possible in G17.1, G18.1 and G19.1: select a plane of X, Y and Z (G17 to G19) before"
+    )]
+    ArcInParallelPlane,
     /// A letter that is not executed.
     #[error("{0} words are not supported")]
     UnsupportedLetter(char),
@@ -512,10 +543,11 @@ impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
             Self::InFile { error, .. } | Self::Repeated { error, .. } => error.rule(),
+            Self::OfControl(_) => Rule::Control,
             Self::Lenient(leniency) => leniency.refusal().rule(),
-            Self::UnsupportedLetter(_)
-            | Self::UnsupportedAxis(_)
-            | Self::UnsupportedCode { .. } => Rule::UnsupportedWord,
+            Self::UnsupportedLetter(_) | Self::SharedAxis { .. } | Self::UnsupportedCode { .. } => {
+                Rule::UnsupportedWord
+            }
             Self::ArcWithoutCenter
             | Self::RadiusAndCenter
             | Self::CenterOutsidePlane(_)
@@ -531,6 +563,14 @@ impl TextError for DecodeError {
             }
             Self::ProbeTripped(_) | Self::ProbeNotTripped(_) | Self::ProbeUnknown(_) => Rule::Probe,
             _ => Rule::Syntax,
+        }
+    }
+
+    fn hint(&self) -> Option<String> {
+        match self {
+            Self::OfControl(finding) => finding.hint(),
+            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.hint(),
+            _ => None,
         }
     }
 

@@ -45,7 +45,7 @@ pub(super) fn lex(
             b';' => return None,
             b'(' => lexer.comment().map(|comment| block.message = comment),
             b'#' => lexer.assignment(block),
-            b'@' | b'^' => lexer.word(byte, block, problems),
+            b'@' | b'^' | b'$' => lexer.word(byte, block, problems),
             _ if byte.is_ascii_alphabetic() => lexer.word(byte, block, problems),
             _ => Err(lexer.unexpected(byte)),
         };
@@ -181,7 +181,13 @@ impl<'a> Lexer<'a> {
         let value = if self.is_number() { self.plain_number() } else { self.value().map(Some)? };
         let columns = start..self.at;
         match value {
-            Some(value) => block.add(upper, value, columns, self.state.strict, problems),
+            Some(value) => {
+                let value = match self.state.control {
+                    Some(control) if upper == b'G' => control.g_number(value),
+                    _ => value,
+                };
+                block.add(upper, value, columns, self.state.strict, problems);
+            }
             None => problems.push(Problem {
                 columns: Some(columns),
                 error: DecodeError::InvalidNumber(letter),
@@ -265,9 +271,6 @@ impl<'a> Lexer<'a> {
     /// The character here does not begin a word.
     fn unexpected(&self, byte: u8) -> Problem {
         let at = self.at;
-        if byte == b'$' {
-            return self.problem(at, at + 1, DecodeError::UnsupportedLetter('$'));
-        }
         // No character is longer than four bytes.
         let bytes = self.line.get(at..self.line.len().min(at + 4)).unwrap_or_default();
         let character = bytes.utf8_chunks().next().and_then(|chunk| chunk.valid().chars().next());

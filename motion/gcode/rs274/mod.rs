@@ -13,11 +13,11 @@
 //! G40, tool length, coordinate system, path mode, distance modes, retract mode, G10, G28, G30, G52 and G92, G92.1 to
 //! G92.3, motion, stop. Hence F in a line with G20 or G21 is in the units of the line before.
 //!
-//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4 to G5.3, G7, G8, G10 (L0, L1, L2, L10, L11, L20), G20,
+//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19.1, G4 to G5.3, G7, G8, G10 (L0, L1, L2, L10, L11, L20), G20,
 //! G21, G28, G28.1, G30, G30.1, G33, G33.1, G38.2 to G38.5, G40 to G42.1, G43 to G43.2, G49, G52 to G59.3, G61, G61.1,
 //! G64, G73, G74, G76, G80 to G89, G90, G91, G90.1, G91.1, G92 to G92.3, G93 to G99, M0 to M9, M19, M30, M48 to M53,
-//! M60 to M68, M70 to M73, M98 to M199, F, S, T, D, E, H, N, A B C for rotary axes (as the extra axes P Q U, in
-//! degrees). Every other word is an error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
+//! M60 to M68, M70 to M73, M98 to M199, F, S, T, D, E, H, N, `$`, A B C for rotary axes (as the extra axes P Q U, in
+//! degrees), U V W (as those of these names, in mm; a program moves either C or U). Every other word is an error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
 //! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
 //!
 //! Values are numbers, parameters (`#1`, `#<name>`), functions and expressions in brackets; see `expression.rs` and
@@ -65,17 +65,19 @@
 //!   leaves it out.
 //! - The moves of one canned cycle block and of G76 are at most [`MAX_CYCLE_MOVES`].
 //! - G88 leaves the hole with a rapid behind its stop M0. In LinuxCNC the next rapid begins at the bottom.
-//! - G74 and G84 in G18 and G19 tap along the normal of the plane. LinuxCNC mixes up their axes.
+//! - G74 and G84 in G18 to G19.1 and G17.1 tap along the normal of the plane. LinuxCNC mixes up their axes or refuses.
 //! - Pitches that are not above 0, and feeds per revolution without a speed, are errors. LinuxCNC checks the speed only
 //!   for G1 to G3.
 //! - G7 and G8 in the block of G76 act as in a block before. LinuxCNC halves or doubles I, J and K once more.
-//! - G33.1 and G76 take no words of rotary axes; LinuxCNC takes those that do not move them.
+//! - G33.1 and G76 take no words of A B C U V W; LinuxCNC takes those that do not move them, and with G33.1 leaves out
+//!   U V W. Splines take none either.
 //! - M19 without R and P turns the spindle to 0°, as LinuxCNC's documentation has it; its interpreter does nothing.
 //! - The machine stays where it is when G10 rotates the coordinate system while G92 is in force, and when the program
 //!   sets #5210 to #5219. LinuxCNC loses its position there, and the next move goes elsewhere with axes that it does not
 //!   name.
-//! - Arcs in G18 and G19 in a rotated coordinate system (G10 L2 R), and the axes U, V and W, are errors.
-//! - P of G10 and Q of M61 must be whole numbers; LinuxCNC rounds some of them.
+//! - Arcs in G18 and G19 in a rotated coordinate system (G10 L2 R), and programs that name both C and U, are errors.
+//! - P of G10, Q of M61 and `$` must be whole numbers; LinuxCNC rounds some of them. `$` is 0 or -1: the machine has one
+//!   spindle, as LinuxCNC without a configuration has.
 //! - M72 and M73 restore F and S as they were. LinuxCNC rounds them to one decimal and to none. M72 must be the only
 //!   word of its block: LinuxCNC drops motions next to it.
 //! - M62 to M68 take whole numbers of outputs and inputs, which LinuxCNC rounds, and M67 and M68 need Q. M100 to M199
@@ -90,7 +92,7 @@
 
 #![allow(
     clippy::indexing_slicing,
-    reason = "arrays of the three coordinates and nine coordinate systems, indexed by values of these types"
+    reason = "arrays of the coordinates of axes and nine coordinate systems, indexed by values of these types"
 )]
 
 mod arc;
@@ -127,7 +129,7 @@ mod travel;
 mod word;
 mod write;
 
-pub use control::Control;
+pub use control::{CONTROL_WORDS, Cell, Control, ControlFinding, ControlWord, Reading};
 pub use cycle::MAX_CYCLE_MOVES;
 pub use decoder::{Decoder, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item};

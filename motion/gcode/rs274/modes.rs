@@ -62,6 +62,7 @@ impl State {
         Modes {
             words: GWords {
                 plane: Some(self.plane),
+                parallel_plane: Some(self.parallel_plane),
                 units: Some(self.units),
                 compensation: Some(self.compensation_word()),
                 g92_switch: Some(self.g92_word()),
@@ -108,6 +109,7 @@ impl State {
         let (to, now) = (saved.words, self.save_modes().words);
         let g = GWords {
             plane: changed(to.plane, now.plane),
+            parallel_plane: changed(to.parallel_plane, now.parallel_plane),
             units: changed(to.units, now.units),
             compensation: changed(to.compensation, now.compensation),
             g92_switch: changed(to.g92_switch, now.g92_switch),

@@ -6,7 +6,7 @@ use super::tool_table::Tool;
 /// Numbers of the parameters that are kept here: home positions, G92, coordinate systems, tool in the spindle.
 const FIRST: u16 = 5161;
 const LAST: u16 = 5413;
-/// Parameter of the first value of each group; those of X, Y, Z, A, B, C begin there.
+/// Parameter of the first value of each group; those of X, Y, Z, A, B, C, U, V, W begin there.
 const G28: u16 = 5161;
 const G30: u16 = 5181;
 const G92_ACTIVE: u16 = 5210;
@@ -14,7 +14,7 @@ const G92: u16 = 5211;
 const SYSTEM: u16 = 5220;
 const TOOL: u16 = 5400;
 
-/// First parameter of coordinate system 0 (G54) to 8 (G59.3). U, V, W and the rotation follow behind C.
+/// First parameter of coordinate system 0 (G54) to 8 (G59.3). The rotation follows behind W.
 fn system_parameter(system: usize) -> u16 {
     const FIRST: [u16; 9] = [5221, 5241, 5261, 5281, 5301, 5321, 5341, 5361, 5381];
     FIRST[system.min(8)]
@@ -38,21 +38,35 @@ impl Home {
     }
 }
 
-/// New values of some axes: m for X, Y, Z, degrees for A, B, C.
+/// New values of some axes: degrees for A, B, C, m for the others.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct AxisValues {
-    pub(super) linear: [Option<f64>; 3],
-    pub(super) rotary: [Option<f64>; 3],
-}
+pub(super) struct AxisValues(pub(super) [Option<f64>; 9]);
 
 impl AxisValues {
     /// Puts them into `position`.
     pub(super) fn replace(&self, position: &mut Position) {
-        let linear = position.linear.iter_mut().zip(self.linear);
-        for (slot, value) in linear.chain(position.rotary.iter_mut().zip(self.rotary)) {
-            *slot = value.unwrap_or(*slot);
-        }
+        let before = position.axes();
+        *position = from_axes(|axis| self.0[axis].unwrap_or(before[axis]));
     }
+}
+
+fn from_axes(value: impl FnMut(usize) -> f64) -> Position {
+    Position::from_axes(std::array::from_fn(value))
+}
+
+/// True if the values of an axis are lengths.
+fn is_length(axis: usize) -> bool {
+    !matches!(axis, 3..=5)
+}
+
+/// Values of all axes in `units` and degrees.
+fn in_units(position: &Position, units: LengthUnit) -> [f64; 9] {
+    let axes = position.axes();
+    std::array::from_fn(
+        |axis| {
+            if is_length(axis) { units.convert_metres(axes[axis]) } else { axes[axis] }
+        },
+    )
 }
 
 /// Rotation about Z of a coordinate system (G10 L2 R).
@@ -94,6 +108,16 @@ fn add<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
 
 fn subtract<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|axis| a[axis] - b[axis])
+}
+
+/// `a` + `b`, axis by axis.
+pub(super) fn sum(a: &Position, b: &Position) -> Position {
+    Position::from_axes(add(a.axes(), b.axes()))
+}
+
+/// `a` - `b`, axis by axis.
+fn difference(a: &Position, b: &Position) -> Position {
+    Position::from_axes(subtract(a.axes(), b.axes()))
 }
 
 /// Offsets between the program's coordinates and the machine frame.
@@ -175,27 +199,19 @@ impl Offsets {
         self.parameter(number).unwrap_or_default()
     }
 
-    /// Position in six parameters from `number` on, m and degrees.
+    /// Position in nine parameters from `number` on, m and degrees.
     fn stored(&self, number: u16) -> Position {
-        let value = |index: u16| self.value(number + index);
-        Position {
-            linear: [0, 1, 2].map(|index| self.units.to_metres(value(index))),
-            rotary: [3, 4, 5].map(value),
-        }
+        let mut numbers = number..;
+        from_axes(|axis| {
+            let value = numbers.next().map_or(0.0, |number| self.value(number));
+            if is_length(axis) { self.units.to_metres(value) } else { value }
+        })
     }
 
     fn store(&mut self, number: u16, position: &Position) {
-        for (index, length) in (0..).zip(position.linear) {
-            self.set_value(number + index, self.units.convert_metres(length));
+        for (number, value) in (number..).zip(in_units(position, self.units)) {
+            self.set_value(number, value);
         }
-        for (index, angle) in (3..).zip(position.rotary) {
-            self.set_value(number + index, angle);
-        }
-    }
-
-    /// Sum of the offsets of the rotary axes, degrees.
-    pub(super) fn rotary(&self) -> [f64; 3] {
-        self.sum.rotary
     }
 
     /// Rotation of the coordinate system in force about Z, degrees; none if its axes are those of the machine.
@@ -226,12 +242,18 @@ impl Offsets {
         subtract(self.rotation.undo(from_origin), self.g92.linear)
     }
 
-    /// Offset that G53, G28 and G30 add to a position of the controlled point, m.
-    pub(super) fn machine_frame(&self) -> [f64; 3] {
-        match self.reference {
-            ToolReference::ControlPoint => [0.0; 3],
-            ToolReference::Tip => self.tool.linear.map(|tool| -tool),
-        }
+    /// Coordinates of the program (m and degrees) of a position in the machine frame.
+    fn program(&self, machine: &Position) -> Position {
+        let linear = self.to_program(machine.linear);
+        Position { linear, ..difference(machine, &self.sum) }
+    }
+
+    /// Offset that G53, G28 and G30 add to a position of the controlled point, m and degrees. With rotary axes they
+    /// leave the tool out in LinuxCNC.
+    pub(super) fn machine_frame(&self) -> Position {
+        let tip_offset = self.tip_offset();
+        let offset = difference(&tip_offset, &self.tool);
+        Position { rotary: tip_offset.rotary, ..offset }
     }
 
     /// The system in force: 0 for G54 to 8 for G59.3.
@@ -252,17 +274,14 @@ impl Offsets {
 
     /// From the tip of the tool to the point whose path it is, m.
     pub(super) fn point_from_tip(&self) -> [f64; 3] {
-        match self.reference {
-            ToolReference::ControlPoint => self.tool.linear,
-            ToolReference::Tip => [0.0; 3],
-        }
+        self.tip_offset().linear
     }
 
-    /// The same for the rotary axes, degrees. G53, G28 and G30 add it, as they leave the tool out in LinuxCNC.
-    pub(super) fn angles_from_tip(&self) -> [f64; 3] {
+    /// The same for all axes, m and degrees.
+    fn tip_offset(&self) -> Position {
         match self.reference {
-            ToolReference::ControlPoint => self.tool.rotary,
-            ToolReference::Tip => [0.0; 3],
+            ToolReference::ControlPoint => self.tool,
+            ToolReference::Tip => Position::default(),
         }
     }
 
@@ -275,8 +294,7 @@ impl Offsets {
     /// `machine` with it.
     pub(super) fn set_tool(&mut self, tool: Position, machine: &mut Position) {
         if self.reference == ToolReference::Tip {
-            machine.linear = add(machine.linear, subtract(self.tool.linear, tool.linear));
-            machine.rotary = add(machine.rotary, subtract(self.tool.rotary, tool.rotary));
+            *machine = sum(machine, &difference(&self.tool, &tool));
         }
         self.tool = tool;
         self.add_up();
@@ -285,7 +303,7 @@ impl Offsets {
     /// Fills the parameters of the tool in the spindle (#5400 to #5413).
     pub(super) fn load(&mut self, tool: &Tool) {
         self.set_value(TOOL, f64::from(tool.number));
-        self.store(TOOL + 1, &Position { linear: tool.offset, rotary: tool.rotary_offset });
+        self.store(TOOL + 1, &tool.position());
         self.set_value(TOOL + 10, self.units.convert_metres(tool.diameter));
         self.set_value(TOOL + 11, tool.front_angle);
         self.set_value(TOOL + 12, tool.back_angle);
@@ -296,25 +314,19 @@ impl Offsets {
     fn controlled_point(&self, machine: &Position) -> Position {
         match self.reference {
             ToolReference::ControlPoint => *machine,
-            ToolReference::Tip => Position {
-                linear: add(machine.linear, self.tool.linear),
-                rotary: add(machine.rotary, self.tool.rotary),
-            },
+            ToolReference::Tip => sum(machine, &self.tool),
         }
     }
 
     /// Coordinates (m, degrees) in coordinate system `system`, as it is stored, of `point`, machine frame. G92 is the
     /// stored one (with `g92`, and if #5210 is not 0), as in LinuxCNC.
     fn in_system(&self, system: usize, point: &Position, g92: bool) -> Position {
-        let stored = self.stored(system_parameter(system));
-        let mut linear = subtract(point.linear, stored.linear);
-        linear = self.stored_rotation(system).undo(linear);
-        let mut rotary = subtract(point.rotary, stored.rotary);
+        let mut at = difference(point, &self.stored(system_parameter(system)));
+        at.linear = self.stored_rotation(system).undo(at.linear);
         if g92 && self.value(G92_ACTIVE) != 0.0 {
-            let g92 = self.stored(G92);
-            (linear, rotary) = (subtract(linear, g92.linear), subtract(rotary, g92.rotary));
+            at = difference(&at, &self.stored(G92));
         }
-        Position { linear, rotary }
+        at
     }
 
     fn stored_rotation(&self, system: usize) -> Rotation {
@@ -346,17 +358,12 @@ impl Offsets {
         machine: &Position,
         values: &AxisValues,
     ) {
-        let tip = Position {
-            linear: subtract(machine.linear, self.point_from_tip()),
-            rotary: subtract(machine.rotary, self.angles_from_tip()),
-        };
-        let now = self.in_system(system, &tip, true);
+        let now = self.in_system(system, &difference(machine, &self.tip_offset()), true);
         let mut wanted = now;
         values.replace(&mut wanted);
-        let mut origin = self.stored(system_parameter(system));
-        let shift = self.stored_rotation(system).apply(subtract(now.linear, wanted.linear));
-        origin.linear = add(origin.linear, shift);
-        origin.rotary = add(origin.rotary, subtract(now.rotary, wanted.rotary));
+        let mut shift = difference(&now, &wanted);
+        shift.linear = self.stored_rotation(system).apply(shift.linear);
+        let origin = sum(&self.stored(system_parameter(system)), &shift);
         self.store(system_parameter(system), &origin);
         self.refresh(system);
     }
@@ -371,19 +378,13 @@ impl Offsets {
         before: &Position,
     ) -> Position {
         let system = if fixture { 8 } else { self.system };
-        let now = self.in_system(system, &self.controlled_point(machine), !fixture);
+        let now = self.in_system(system, &self.controlled_point(machine), !fixture).axes();
         let rotation = self.stored_rotation(system);
-        let turned = rotation.undo(before.linear);
-        let difference =
-            |now: f64, value: Option<f64>, before: f64| value.map_or(before, |value| now - value);
-        Position {
-            linear: rotation.apply(std::array::from_fn(|axis| {
-                difference(now.linear[axis], values.linear[axis], turned[axis])
-            })),
-            rotary: std::array::from_fn(|axis| {
-                difference(now.rotary[axis], values.rotary[axis], before.rotary[axis])
-            }),
-        }
+        let before = Position { linear: rotation.undo(before.linear), ..*before }.axes();
+        let mut offset =
+            from_axes(|axis| values.0[axis].map_or(before[axis], |value| now[axis] - value));
+        offset.linear = rotation.apply(offset.linear);
+        offset
     }
 
     /// Lets a change of a coordinate system act if it is in force.
@@ -414,14 +415,10 @@ impl Offsets {
 
     /// Makes the origin such that the point at `machine` has the coordinates `values` (G92).
     pub(super) fn set_g92(&mut self, machine: &Position, values: &AxisValues) {
-        let program = Position {
-            linear: self.to_program(machine.linear),
-            rotary: subtract(machine.rotary, self.sum.rotary),
-        };
+        let program = self.program(machine);
         let mut wanted = program;
         values.replace(&mut wanted);
-        self.g92.linear = add(self.g92.linear, subtract(program.linear, wanted.linear));
-        self.g92.rotary = add(self.g92.rotary, subtract(program.rotary, wanted.rotary));
+        self.g92 = sum(&self.g92, &difference(&program, &wanted));
         self.apply_g92();
     }
 
@@ -472,12 +469,7 @@ impl Offsets {
     }
 
     fn add_up(&mut self) {
-        let linear = add(self.origin.linear, self.g92.linear);
-        let rotary = add(self.origin.rotary, self.g92.rotary);
-        self.sum = Position {
-            linear: add(linear, self.point_from_tip()),
-            rotary: add(rotary, self.angles_from_tip()),
-        };
+        self.sum = sum(&sum(&self.origin, &self.g92), &self.tip_offset());
     }
 }
 
@@ -485,11 +477,9 @@ impl Offsets {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Location {
     pub(super) machine: Position,
-    /// X, Y, Z in the units of the program: what LinuxCNC calculates with, so that numbers of the program stay what
-    /// they are, and comparing them means something.
-    pub(super) program: [f64; 3],
-    /// A, B, C of the program, degrees.
-    pub(super) program_rotary: [f64; 3],
+    /// X, Y, Z, A, B, C, U, V, W in the units of the program and degrees: what LinuxCNC calculates with, so that
+    /// numbers of the program stay what they are, and comparing them means something.
+    pub(super) program: [f64; 9],
 }
 
 impl Location {
@@ -515,26 +505,15 @@ impl Location {
         if part >= 1.0 {
             return *end;
         }
-        let between = |from: f64, to: f64| from + (to - from) * part;
-        let mut at = *end;
-        for (machine, from) in at.machine.linear.iter_mut().zip(self.machine.linear) {
-            if *machine != from {
-                *machine = between(from, *machine);
-            }
-        }
-        let program = offsets.to_program(at.machine.linear);
-        for ((slot, from), program) in at.program.iter_mut().zip(self.program).zip(program) {
-            if *slot != from {
-                *slot = units.convert_metres(program);
-            }
-        }
-        let machine = at.machine.rotary.iter_mut().zip(self.machine.rotary);
-        for (((machine, from), program), sum) in
-            machine.zip(&mut at.program_rotary).zip(offsets.rotary())
-        {
-            if *machine != from {
-                *machine = between(from, *machine);
-                *program = *machine - sum;
+        let (from, to) = (self.machine.axes(), end.machine.axes());
+        let machine = from_axes(|axis| {
+            let (from, to) = (from[axis], to[axis]);
+            if from == to { to } else { from + (to - from) * part }
+        });
+        let mut at = Self::new(machine, offsets, units);
+        for ((slot, from), to) in at.program.iter_mut().zip(self.program).zip(end.program) {
+            if from == to {
+                *slot = to;
             }
         }
         at
@@ -554,18 +533,31 @@ impl Location {
             return;
         }
         self.program[axis] = value;
-        let machine = offsets.to_machine(self.program.map(|length| units.to_metres(length)));
-        if turned {
-            self.machine.linear[..2].copy_from_slice(&machine[..2]);
-        } else {
-            self.machine.linear[axis] = machine[axis];
+        match axis {
+            3..=5 => self.machine.rotary[axis - 3] = value + offsets.sum.rotary[axis - 3],
+            6.. => {
+                self.machine.parallel[axis - 6] =
+                    units.to_metres(value) + offsets.sum.parallel[axis - 6];
+            }
+            _ => {
+                let [x, y, z, ..] = self.program;
+                let machine = offsets.to_machine([x, y, z].map(|length| units.to_metres(length)));
+                let changed = if turned { 0..2 } else { axis..axis + 1 };
+                self.machine.linear[changed.clone()].copy_from_slice(&machine[changed]);
+            }
         }
+    }
+
+    /// Takes over one coordinate of `other`, bit for bit.
+    pub(super) fn copy_axis(&mut self, axis: usize, other: &Self) {
+        let mut machine = self.machine.axes();
+        machine[axis] = other.machine.axes()[axis];
+        self.machine = Position::from_axes(machine);
+        self.program[axis] = other.program[axis];
     }
 
     /// Calculates the program's coordinates anew, after another offset or unit.
     pub(super) fn find_program(&mut self, offsets: &Offsets, units: LengthUnit) {
-        self.program =
-            offsets.to_program(self.machine.linear).map(|length| units.convert_metres(length));
-        self.program_rotary = subtract(self.machine.rotary, offsets.rotary());
+        self.program = in_units(&offsets.program(&self.machine), units);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Control, FlowLimits, ParameterFile, Surroundings, ToolTable};
 use std::path::PathBuf;
+use twin_path::ExtraPosition;
 
 /// Units of length of a program or a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -38,6 +39,34 @@ pub struct Position {
     pub linear: [f64; 3],
     /// A, B, C, degrees.
     pub rotary: [f64; 3],
+    /// U, V, W, m.
+    pub parallel: [f64; 3],
+}
+
+impl Position {
+    /// The position X, Y, Z, m, and P Q U V W ([`twin_path::EXTRA_AXES`]), degrees and mm. It gives C the position of
+    /// U until the program moves U.
+    pub fn new(linear: [f64; 3], [a, b, c, v, w]: ExtraPosition) -> Self {
+        Self { linear, rotary: [a, b, c], parallel: [0.0, v * 1e-3, w * 1e-3] }
+    }
+
+    /// Position of the extra axes P Q U V W ([`twin_path::EXTRA_AXES`]): A, B, C or U, V, W, degrees and mm. One of C
+    /// and U is 0: a program moves either of them.
+    pub fn extra_axes(&self) -> ExtraPosition {
+        let ([a, b, c], [u, v, w]) = (self.rotary, self.parallel.map(|length| length * 1e3));
+        [a, b, c + u, v, w]
+    }
+
+    /// X, Y, Z, A, B, C, U, V, W, m and degrees.
+    pub(super) fn axes(&self) -> [f64; 9] {
+        let ([x, y, z], [a, b, c], [u, v, w]) = (self.linear, self.rotary, self.parallel);
+        [x, y, z, a, b, c, u, v, w]
+    }
+
+    /// The position with these [`Self::axes`].
+    pub(super) fn from_axes([x, y, z, a, b, c, u, v, w]: [f64; 9]) -> Self {
+        Self { linear: [x, y, z], rotary: [a, b, c], parallel: [u, v, w] }
+    }
 }
 
 /// Reference point of the positions of the path.

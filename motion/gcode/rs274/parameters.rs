@@ -204,8 +204,7 @@ impl State {
 
     fn numbered(&self, number: u16) -> f64 {
         match number {
-            5420..=5422 => self.compensated_program()[usize::from(number - 5420)],
-            5423..=5425 => self.location.program_rotary[usize::from(number - 5423)],
+            5420..=5428 => self.compensated_program()[usize::from(number - 5420)],
             _ => self.offsets.parameter(number).unwrap_or_else(|| self.parameters.get(number)),
         }
     }
@@ -220,11 +219,14 @@ impl State {
             b"vminor" | b"task" | b"remap_level" => 0.0,
             b"line" => f64::from(self.parameters.line),
             b"motion_mode" => tenths(self.motion.number()),
-            b"plane" => match self.plane {
-                twin_path::Plane::Xy => 170.0,
-                twin_path::Plane::Zx => 180.0,
-                twin_path::Plane::Yz => 190.0,
-            },
+            b"plane" => {
+                let plane = match self.plane {
+                    twin_path::Plane::Xy => 170.0,
+                    twin_path::Plane::Zx => 180.0,
+                    twin_path::Plane::Yz => 190.0,
+                };
+                plane + truth(self.parallel_plane)
+            }
             b"ccomp" => self.compensation_number(),
             b"metric" => truth(self.units == LengthUnit::Millimetre),
             b"imperial" => truth(self.units == LengthUnit::Inch),
@@ -258,6 +260,9 @@ impl State {
             b"a" => self.numbered(5423),
             b"b" => self.numbered(5424),
             b"c" => self.numbered(5425),
+            b"u" => self.numbered(5426),
+            b"v" => self.numbered(5427),
+            b"w" => self.numbered(5428),
             b"current_tool" => f64::from(self.tool),
             b"selected_tool" => self.selected_tool.map_or(0.0, f64::from),
             b"value" => self.parameters.returned.unwrap_or_default(),

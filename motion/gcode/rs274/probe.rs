@@ -1,8 +1,7 @@
 //! Probing (G38.2 to G38.5): the probing move, and the surroundings that a probe can touch.
 
-use super::block::{Block, Letter, Letters};
+use super::block::{Block, Letter};
 use super::error::{DecodeError, Problem};
-use super::offsets::Location;
 use super::options::Position;
 use super::output::Output;
 use super::state::State;
@@ -84,7 +83,6 @@ impl State {
         block: &Block,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        self.rotary |= block.letters().meets(Letters::ROTARY);
         let mut from = self.location;
         from.machine = self.tool_position();
         let mut to = self.target(block, self.relative)?;
@@ -92,7 +90,7 @@ impl State {
             self.location = to;
             return Err(DecodeError::ProbePerRevolution.into());
         }
-        let stays = from.program == to.program && from.program_rotary == to.program_rotary;
+        let stays = from.program == to.program;
         let shape = self.line_to(&to);
         let Some(feed) = self.feed_for(&shape, &to, block.get(Letter::F))? else { return Ok(()) };
         if probing.required && stays {
@@ -136,8 +134,7 @@ impl State {
 
     /// Sets #5061 to #5070. An unknown outcome counts as a trip: programs stop at others.
     fn keep_result(&mut self, outcome: ProbeOutcome) {
-        let Location { program, program_rotary, .. } = self.location;
-        for (number, value) in (5061..).zip(program.into_iter().chain(program_rotary)) {
+        for (number, value) in (5061..).zip(self.location.program) {
             self.parameters.set(number, value);
         }
         let tripped = outcome != ProbeOutcome::NotTripped;

@@ -7,7 +7,7 @@
 use super::block::Letter;
 use super::decoder::{Decoder, MAX_LINE_BYTES};
 use super::options::{DecoderOptions, LengthUnit};
-use super::state::{Feed, MAX_FEED};
+use super::state::{Feed, MAX_FEED, State};
 use super::word::{FeedMode, Motion};
 use crate::decode;
 use crate::refeed::{
@@ -78,17 +78,22 @@ struct Cut {
     feed: f64,
     /// Only rotary axes move.
     turns: bool,
-    /// What F is multiplied by for a feed per minute: 1, or the speed of the spindle with G95.
+    /// What F is multiplied by for a feed per minute: 1, or the speed of the spindle with G95; more where rotary axes
+    /// move with U, V, W.
     speed: f64,
 }
 
 impl Moves {
-    fn include(&mut self, element: &PathElement) {
+    /// Adds `element`; `state` is that behind it.
+    fn include(&mut self, element: &PathElement, state: &State) {
         match element.kind {
             ElementKind::Cut | ElementKind::Probe { .. } => {
-                let rotates = element.extra().is_some_and(|extra| extra.length() > 0.0);
-                let turns = rotates && element.shape.length() <= 0.0;
-                self.cut = Some(Cut { feed: element.feed, turns, speed: 1.0 });
+                let extra = element.extra().filter(|_| element.shape.length() <= 0.0);
+                let [turn, shift] =
+                    extra.map_or([0.0; 2], |extra| state.extra_distance(&extra.start, &extra.end));
+                let turns = turn > 0.0 && shift <= 0.0;
+                let speed = if shift > 0.0 { turn.hypot(shift) / shift } else { 1.0 };
+                self.cut = Some(Cut { feed: element.feed, turns, speed });
             }
             ElementKind::Rapid if element.length() > 0.0 => {
                 self.rapid = Some(self.rapid.map_or(element.feed, |feed| feed.max(element.feed)));
@@ -129,13 +134,13 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
         let mut moves = Moves::default();
         for item in decoder.out.items.drain(..) {
             if let Ok(decode::Item::Element(element)) = item {
-                moves.include(&element);
+                moves.include(&element, &decoder.state);
             }
         }
         if let (Some(cut), Some(feed)) = (&mut moves.cut, decoder.state.feed)
             && decoder.state.feed_mode == FeedMode::PerRevolution
         {
-            cut.speed = cut.feed / cut.own(feed);
+            cut.speed *= cut.feed / cut.own(feed);
         }
         let word = decoder.block.get(Letter::F).filter(|f| (0.0..=MAX_FEED).contains(f));
         match word.filter(|_| decoder.state.feed_mode != FeedMode::InverseTime) {

@@ -3,7 +3,7 @@
 
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
-use super::offsets::AxisValues;
+use super::offsets::{AxisValues, sum};
 use super::options::Position;
 use super::output::Output;
 use super::state::State;
@@ -62,11 +62,12 @@ impl State {
     /// The axis words of `block`, m and degrees.
     fn axis_values(&self, block: &Block) -> Result<AxisValues, Problem> {
         let mut values = AxisValues::default();
-        for (slot, axis) in values.linear.iter_mut().zip(Letter::LINEAR) {
-            *slot = self.length(block, axis)?;
-        }
-        for (slot, axis) in values.rotary.iter_mut().zip(Letter::ROTARY) {
-            *slot = limited(block, axis, block.get(axis), MAX_ANGLE, "°")?;
+        for (slot, axis) in values.0.iter_mut().zip(Letter::AXES) {
+            *slot = if Letters::ROTARY.contains(axis) {
+                limited(block, axis, block.get(axis), MAX_ANGLE, "°")?
+            } else {
+                self.length(block, axis)?
+            };
         }
         Ok(values)
     }
@@ -90,7 +91,6 @@ impl State {
             OneShot::SaveHome(home) => self.offsets.save_home(home, &machine),
             OneShot::LocalOffset | OneShot::SetPosition => {
                 let values = self.axis_values(block)?;
-                self.rotary |= block.letters().meets(Letters::ROTARY);
                 if shot == OneShot::LocalOffset {
                     self.offsets.set_local(&values);
                 } else {
@@ -102,7 +102,7 @@ impl State {
         }
         if shot == OneShot::SetPosition {
             // As programmed, without the rounding of the offset.
-            for (program, axis) in self.location.program.iter_mut().zip(Letter::LINEAR) {
+            for (program, axis) in self.location.program.iter_mut().zip(Letter::AXES) {
                 *program = block.get(axis).unwrap_or(*program);
             }
         }
@@ -117,7 +117,6 @@ impl State {
             OneShot::RestoreOffset => self.offsets.restore_g92(),
             _ => return,
         }
-        self.note_rotary();
         self.location.find_program(&self.offsets, self.units);
     }
 
@@ -154,7 +153,6 @@ impl State {
         } else {
             self.offsets.set_coordinates(system, &self.location.machine, &values);
         }
-        self.note_rotary();
         self.location.find_program(&self.offsets, self.units);
         Ok(())
     }
@@ -175,15 +173,14 @@ impl State {
             values.replace(&mut offset);
         } else {
             let machine = &self.location.machine;
-            let found = self.offsets.touch_off(l == 11, machine, &values, &offset);
+            let mut found = self.offsets.touch_off(l == 11, machine, &values, &offset);
             // Of X and Y both may change, of the others only those that are named.
-            if values.linear[0].is_some() || values.linear[1].is_some() {
-                offset.linear[..2].copy_from_slice(&found.linear[..2]);
+            if values.0[..2] == [None; 2] {
+                found.linear[..2].copy_from_slice(&offset.linear[..2]);
             }
-            offset.linear[2] = found.linear[2];
-            offset.rotary = found.rotary;
+            offset = found;
         }
-        (tool.offset, tool.rotary_offset) = (offset.linear, offset.rotary);
+        tool.set_position(&offset);
         if let Some(radius) = self.length(block, Letter::R)? {
             tool.diameter = 2.0 * radius;
         }
@@ -259,39 +256,28 @@ impl State {
             }
             ToolLength::Direct => self.axis_values(block)?.replace(&mut offset),
             ToolLength::Added => {
-                if let Some(letter) = Letter::LINEAR
-                    .into_iter()
-                    .chain(Letter::ROTARY)
-                    .find(|letter| block.get(*letter).is_some())
-                {
+                let mut axes = Letter::AXES.into_iter();
+                if let Some(letter) = axes.find(|letter| block.get(*letter).is_some()) {
                     let error = OffsetError::AxisWithH(letter.as_char());
                     return Err(at(block, letter, error.into()));
                 }
                 let number = named.ok_or(DecodeError::from(OffsetError::MissingH))?;
                 let number = if number == 0 { self.tool } else { number };
                 let tool = self.find_tool(number, Letter::H, block, out)?.position();
-                let linear = offset.linear.iter_mut().zip(tool.linear);
-                for (sum, tool) in linear.chain(offset.rotary.iter_mut().zip(tool.rotary)) {
-                    *sum += tool;
-                }
+                offset = sum(&offset, &tool);
             }
         }
-        let before = self.location.machine.linear;
+        let before = self.location.machine;
         self.offsets.set_tool(offset, &mut self.location.machine);
         if let Some(tool) = &mut self.compensation.tool {
-            let moved = self.location.machine.linear.iter().zip(before);
+            let moved = self.location.machine.linear.iter().zip(before.linear);
             for (tool, (now, before)) in tool.linear.iter_mut().zip(moved) {
                 *tool += now - before;
             }
         }
-        self.note_rotary();
         self.location.find_program(&self.offsets, self.units);
-        Ok(())
-    }
-
-    /// Rotary axes are part of the path as soon as one of them is not zero.
-    fn note_rotary(&mut self) {
-        self.rotary |= self.location.machine.rotary.iter().any(|angle| *angle != 0.0);
+        let now = self.location.machine;
+        Ok(self.note_extra(&before, &now)?)
     }
 }
 

@@ -1,12 +1,12 @@
 //! Spindle: speed (S, G96, G97), direction (M3 to M5, M19), and the feeds that follow from it.
 
-use super::block::{Block, Letter};
+use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
 use super::offsets::Location;
 use super::options::LengthUnit;
 use super::output::Output;
 use super::state::{MAX_SPEED, State};
-use super::word::Motion;
+use super::word::{FeedMode, Motion};
 use std::f64::consts::TAU;
 use twin_path::{ElementKind, MParameters, Spindle};
 
@@ -20,6 +20,39 @@ pub(super) struct SurfaceSpeed {
 }
 
 impl State {
+    /// `$` in the words of a block if something in it is for a spindle, as LinuxCNC sees it.
+    pub(super) fn spindle_words(block: &Block, motion: Option<Motion>) -> Letters {
+        let uses = block.m.spindle.is_some()
+            || block.get(Letter::S).is_some()
+            || matches!(motion, Some(Motion::Thread(_)));
+        if uses { Letters::of(&[Letter::SPINDLE]) } else { Letters::default() }
+    }
+
+    /// Checks that `$` is the only spindle, or all of them (-1) where LinuxCNC takes that.
+    ///
+    /// # Errors
+    /// [`DecodeError::Spindle`] and [`DecodeError::NotWhole`].
+    pub(super) fn check_spindle_number(
+        block: &Block,
+        motion: Option<Motion>,
+    ) -> Result<(), Problem> {
+        let Some(number) = block.get(Letter::SPINDLE) else { return Ok(()) };
+        let takes_all = match motion {
+            Some(Motion::Thread(_)) => false,
+            Some(Motion::Cycle(cycle)) if cycle.taps() => false,
+            _ => {
+                block.m.spindle != Some(19)
+                    && block.g.surface_speed.is_none()
+                    && block.g.feed_mode != Some(FeedMode::PerRevolution)
+            }
+        };
+        if number == 0.0 || takes_all && number + 1.0 == 0.0 {
+            return Ok(());
+        }
+        let error = DecodeError::Spindle { number, takes_all };
+        Err(Problem { columns: block.columns(Letter::SPINDLE), error })
+    }
+
     /// G96, G97 and S.
     pub(super) fn set_speed(&mut self, block: &Block) -> Result<(), Problem> {
         let unit = match self.units {

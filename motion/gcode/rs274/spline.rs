@@ -91,7 +91,7 @@ impl State {
         block: &Block,
         to: &Location,
     ) -> Result<Vec<Point3<f64>>, Problem> {
-        if self.plane != Plane::Xy {
+        if self.plane != Plane::Xy || self.parallel_plane {
             return Err(DecodeError::SplineOutsideXy.into());
         }
         let from = self.location;
@@ -113,7 +113,7 @@ impl State {
 
     /// The point that is away from `at` by `offset` in X and Y, in units of the program.
     fn offset_from(&self, at: &Location, [x, y]: [f64; 2]) -> Result<Point3<f64>, Problem> {
-        let [at_x, at_y, _] = at.program;
+        let [at_x, at_y, ..] = at.program;
         let along = self.with(at, Axis::X, at_x + x)?;
         Ok(Point3::from(self.with(&along, Axis::Y, at_y + y)?.machine.linear))
     }
@@ -209,8 +209,7 @@ impl State {
         [machine.linear[0], machine.linear[1]] = [point.x, point.y];
         let mut to = Location::new(machine, &self.offsets, self.units);
         // What does not change stays, bit for bit.
-        to.program[2] = self.location.program[2];
-        to.program_rotary = self.location.program_rotary;
+        to.program[2..].copy_from_slice(&self.location.program[2..]);
         to
     }
 }

@@ -2,6 +2,7 @@
 
 use super::block::{Block, Letter, Letters};
 use super::compensation::Compensation;
+use super::control::{self, Control};
 use super::cycle::Series;
 use super::error::{DecodeError, Problem};
 use super::input_output::m_letters;
@@ -53,6 +54,8 @@ pub(super) struct State {
     pub(super) synchronized: bool,
     /// Refuses what LinuxCNC refuses.
     pub(super) strict: bool,
+    /// The control that the program is meant for.
+    pub(super) control: Option<Control>,
     pub(super) tools: Option<ToolTable>,
     /// Without a tool table every tool exists, with length zero unless G10 says otherwise.
     pub(super) assumes_tools: bool,
@@ -65,11 +68,15 @@ pub(super) struct State {
     pub(super) compensation: Compensation,
     /// End of the last element; none before the first.
     pub(super) path_end: Option<Position>,
-    /// A rotary axis has been named.
-    pub(super) rotary: bool,
+    /// The path has extra axes: one of A, B, C, U, V, W has been named or has moved.
+    pub(super) extra: bool,
+    /// C or U, whichever the program moves: both are the extra axis U.
+    pub(super) shared: Option<Letter>,
 
     pub(super) units: LengthUnit,
     pub(super) plane: Plane,
+    /// The plane is that of U, V, W in place of X, Y, Z (G17.1 to G19.1).
+    pub(super) parallel_plane: bool,
     pub(super) motion: Motion,
     /// A word has said how to move, or that nothing moves.
     pub(super) motion_given: bool,
@@ -123,6 +130,7 @@ impl State {
             keep_spindle: options.keep_spindle,
             synchronized: false,
             strict: options.strict,
+            control: options.control,
             assumes_tools: options.tools.is_none(),
             tools: options.tools,
             probe_target: options.surroundings.map(|surroundings| surroundings.target()),
@@ -131,9 +139,11 @@ impl State {
             location,
             compensation: Compensation::default(),
             path_end: None,
-            rotary: options.start.rotary.iter().any(|angle| *angle != 0.0),
+            extra: options.start.extra_axes().iter().any(|position| *position != 0.0),
+            shared: None,
             units: options.units,
             plane: Plane::Xy,
+            parallel_plane: false,
             motion: Motion::Off,
             motion_given: false,
             relative: false,
@@ -163,6 +173,13 @@ impl State {
         state
     }
 
+    fn remark(&self, leniency: Leniency, columns: Option<Range<usize>>, out: &mut Output) {
+        match self.control {
+            Some(control) => control::forgive(control, leniency, columns, out),
+            None => out.remark(columns, DecodeError::Lenient(leniency), false),
+        }
+    }
+
     /// Passes over what LinuxCNC refuses, with a warning.
     ///
     /// # Errors
@@ -176,7 +193,7 @@ impl State {
         if self.strict {
             return Err(Problem { columns, error: leniency.refusal() });
         }
-        out.remark(columns, DecodeError::Lenient(leniency), false);
+        self.remark(leniency, columns, out);
         Ok(())
     }
 
@@ -212,6 +229,8 @@ impl State {
             self.forgive(Leniency::NoMotionWord, None, out)?;
         }
         self.check_words(block, motion)?;
+        self.name_extra(block)?;
+        Self::check_spindle_number(block, motion)?;
         self.check_before_compensation(block, out)?;
         self.set_feed(block)?;
         self.set_tool_and_speed(block, out)?;
@@ -336,13 +355,16 @@ impl State {
                 used = used.without(Letters::AXES);
             }
             Some(Motion::Cycle(cycle)) => {
-                used = used.without(Letters::ROTARY).with(cycle.words());
+                let parallel = block.g.parallel_plane.unwrap_or(self.parallel_plane);
+                let other = if parallel { Letters::LINEAR } else { Letters::PARALLEL };
+                used = used.without(Letters::ROTARY.with(other)).with(cycle.words());
             }
             Some(Motion::Thread(thread)) => {
                 used = thread.words().with(Letters::of(&[Letter::S, Letter::T]));
             }
             _ => {}
         }
+        used = used.with(Self::spindle_words(block, motion));
         if block.g.one_shot == Some(OneShot::Dwell) {
             used = used.with(Letters::of(&[Letter::P]));
         }
@@ -386,6 +408,9 @@ impl State {
             let coordinates = Letters::of(&[Letter::X, Letter::Y]);
             if motion.is_none() || block.g.one_shot.is_some_and(|shot| shot != OneShot::Dwell) {
                 return Err(DecodeError::PolarWithoutMotion.into());
+            }
+            if self.plane != Plane::Xy || self.parallel_plane {
+                return Err(DecodeError::PolarOutsideXy.into());
             }
             if block.letters().meets(coordinates) {
                 return Err(DecodeError::PolarAndCoordinate.into());
@@ -444,7 +469,7 @@ impl State {
         self.feed = Some(Feed::ASSUMED);
         // An F that could not be read has been reported.
         if !self.feed_reported {
-            out.remark(block.last_columns(), DecodeError::Lenient(Leniency::NoFeed), false);
+            self.remark(Leniency::NoFeed, block.last_columns(), out);
         }
     }
 
@@ -493,6 +518,7 @@ impl State {
         }
         self.diameters = words.diameters.unwrap_or(self.diameters);
         self.plane = words.plane.unwrap_or(self.plane);
+        self.parallel_plane = words.parallel_plane.unwrap_or(self.parallel_plane);
         self.relative = words.relative.unwrap_or(self.relative);
         self.absolute_centers = words.absolute_centers.unwrap_or(self.absolute_centers);
         self.initial_level = words.initial_level.unwrap_or(self.initial_level);
@@ -544,8 +570,9 @@ impl State {
         Ok((seconds * 1e9).round() as i64)
     }
 
-    /// Waits for `seconds`.
+    /// Waits for `seconds`, or what the control of the program makes of this number.
     pub(super) fn dwell(&mut self, seconds: f64, out: &mut Output) -> Result<(), DecodeError> {
+        let seconds = self.control.map_or(seconds, |control| control.seconds(seconds));
         let time_ns = Self::dwell_ns(seconds)?;
         self.stand(ElementKind::Dwell { time_ns }, MParameters::default(), out);
         Ok(())

@@ -72,7 +72,6 @@ impl State {
         block: &Block,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        self.rotary |= block.letters().meets(Letters::ROTARY);
         let (from, to) = (self.location, self.target(block, self.relative)?);
         let result = self.thread_to(thread, block, to, out);
         if result.is_err() {

@@ -19,6 +19,8 @@ pub struct Tool {
     pub offset: [f64; 3],
     /// The same for A, B and C, degrees.
     pub rotary_offset: [f64; 3],
+    /// The same for U, V and W, m.
+    pub parallel_offset: [f64; 3],
     /// Diameter (D), m. If it is negative, G41 and G42 change sides.
     pub diameter: f64,
     /// Front angle of a lathe tool (I), degrees.
@@ -32,7 +34,13 @@ pub struct Tool {
 impl Tool {
     /// Offsets of all axes, m and degrees.
     pub(super) fn position(&self) -> Position {
-        Position { linear: self.offset, rotary: self.rotary_offset }
+        Position { linear: self.offset, rotary: self.rotary_offset, parallel: self.parallel_offset }
+    }
+
+    /// Sets [`Self::position`].
+    pub(super) fn set_position(&mut self, position: &Position) {
+        (self.offset, self.rotary_offset) = (position.linear, position.rotary);
+        self.parallel_offset = position.parallel;
     }
 }
 
@@ -128,8 +136,7 @@ impl ToolTable {
         }
     }
 
-    /// Reads LinuxCNC's format with lengths in `unit`, that of the machine. The pocket and the
-    /// offsets of U, V and W are read but not kept.
+    /// Reads LinuxCNC's format with lengths in `unit`, that of the machine. The pocket is read but not kept.
     ///
     /// # Errors
     /// See [`ToolTableError`].
@@ -190,7 +197,7 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
         let length = unit.to_metres(value);
         let limited = match letter {
             'A' | 'B' | 'C' | 'I' | 'J' => value / MAX_ANGLE,
-            'X' | 'Y' | 'Z' | 'D' => length / MAX_LENGTH,
+            'U'..='Z' | 'D' => length / MAX_LENGTH,
             'Q' => value / MAX_ORIENTATION,
             _ => 0.0,
         };
@@ -199,6 +206,7 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
         }
         let [x, y, z] = &mut tool.offset;
         let [a, b, c] = &mut tool.rotary_offset;
+        let [u, v, w] = &mut tool.parallel_offset;
         match letter {
             'T' => number = whole(value),
             'X' => *x = length,
@@ -207,6 +215,9 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
             'A' => *a = value,
             'B' => *b = value,
             'C' => *c = value,
+            'U' => *u = length,
+            'V' => *v = length,
+            'W' => *w = length,
             'D' => tool.diameter = length,
             'I' => tool.front_angle = value,
             'J' => tool.back_angle = value,

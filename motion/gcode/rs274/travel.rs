@@ -4,14 +4,16 @@ use super::arc::Ends;
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
 use super::leniency::Leniency;
-use super::offsets::Location;
+use super::offsets::{Location, sum};
 use super::options::Position;
 use super::output::Output;
 use super::settings::OffsetError;
 use super::state::State;
 use super::word::{FeedMode, Motion, OneShot};
 use nalgebra::Point3;
-use twin_path::{Details, ElementKind, ExtraAxes, MParameters, PathElement, Shape};
+use twin_path::{
+    Details, ElementKind, ExtraAxes, ExtraPosition, MParameters, PathElement, Plane, Shape,
+};
 
 /// Beyond these no machine is meant, and the squares of lengths lose the micrometre.
 const MAX_POSITION: f64 = 1e3;
@@ -23,8 +25,7 @@ impl State {
     /// Target of the axis words of `block`.
     pub(super) fn target(&self, block: &Block, relative: bool) -> Result<Location, Problem> {
         let mut to = self.location;
-        let letters = block.letters();
-        for (index, axis) in Letter::LINEAR.into_iter().enumerate() {
+        for (index, axis) in Letter::AXES.into_iter().enumerate() {
             let Some(word) = block.get(axis) else { continue };
             let program = if relative { to.program[index] + word } else { word };
             to.set_program(index, program, &self.offsets, self.units);
@@ -32,20 +33,9 @@ impl State {
             let machine = match self.offsets.rotation() {
                 Some(_) if index < 2 && x.abs() > y.abs() => x,
                 Some(_) if index < 2 => y,
-                _ => to.machine.linear[index],
+                _ => to.machine.axes()[index],
             };
-            in_range(block, axis, machine, MAX_POSITION, " m")?;
-        }
-        if letters.meets(Letters::ROTARY) {
-            let axes = to.program_rotary.iter_mut().zip(&mut to.machine.rotary);
-            for (((program, machine), offset), axis) in
-                axes.zip(self.offsets.rotary()).zip(Letter::ROTARY)
-            {
-                let Some(word) = block.get(axis) else { continue };
-                *program = if relative { *program + word } else { word };
-                *machine = *program + offset;
-                in_range(block, axis, *machine, MAX_ANGLE, "°")?;
-            }
+            position_in_range(block, axis, machine)?;
         }
         Ok(to)
     }
@@ -53,7 +43,7 @@ impl State {
     /// `block` with X and Y in place of its polar coordinates; each of these goes on from the present position, if it
     /// is the only one or distances are incremental.
     pub(super) fn without_polar(&self, block: &Block) -> Result<Block, Problem> {
-        let [x, y, _] = self.location.program;
+        let [x, y, ..] = self.location.program;
         let (radius, angle) = (block.get(Letter::RADIUS), block.get(Letter::ANGLE));
         let at_origin = x == 0.0 && y == 0.0;
         let (now, direction) = (x.hypot(y), y.atan2(x));
@@ -81,20 +71,15 @@ impl State {
 
     /// Target of the axis words of `block` in the machine frame (G53).
     fn machine_target(&self, block: &Block) -> Result<Location, Problem> {
-        let mut machine = self.location.machine;
-        let tool = self.offsets.machine_frame();
-        for ((machine, tool), axis) in machine.linear.iter_mut().zip(tool).zip(Letter::LINEAR) {
+        let mut machine = self.location.machine.axes();
+        let tool = self.offsets.machine_frame().axes();
+        for ((machine, tool), axis) in machine.iter_mut().zip(tool).zip(Letter::AXES) {
             let Some(word) = block.get(axis) else { continue };
-            *machine = self.units.to_metres(word) + tool;
-            in_range(block, axis, *machine, MAX_POSITION, " m")?;
+            let is_angle = Letters::ROTARY.contains(axis);
+            *machine = tool + if is_angle { word } else { self.units.to_metres(word) };
+            position_in_range(block, axis, *machine)?;
         }
-        let rotary = machine.rotary.iter_mut().zip(self.offsets.angles_from_tip());
-        for ((machine, tool), axis) in rotary.zip(Letter::ROTARY) {
-            let Some(word) = block.get(axis) else { continue };
-            *machine = word + tool;
-            in_range(block, axis, word, MAX_ANGLE, "°")?;
-        }
-        Ok(Location::new(machine, &self.offsets, self.units))
+        Ok(Location::new(Position::from_axes(machine), &self.offsets, self.units))
     }
 
     /// G0 and G1.
@@ -104,7 +89,6 @@ impl State {
         block: &Block,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        self.rotary |= block.letters().meets(Letters::ROTARY);
         self.check_exit(true)?;
         let to = if block.g.one_shot == Some(OneShot::MachineFrame) {
             self.machine_target(block)?
@@ -134,7 +118,6 @@ impl State {
         block: &Block,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        self.rotary |= block.letters().meets(Letters::ROTARY);
         self.check_exit(false)?;
         let to = self.target(block, self.relative)?;
         match self.arc(clockwise, block, &to, out) {
@@ -156,8 +139,11 @@ impl State {
         to: &Location,
         out: &mut Output,
     ) -> Result<Shape, Problem> {
+        if self.parallel_plane {
+            return Err(DecodeError::ArcInParallelPlane.into());
+        }
         if let Some(degrees) = self.offsets.rotation()
-            && self.plane != twin_path::Plane::Xy
+            && self.plane != Plane::Xy
         {
             return Err(DecodeError::from(OffsetError::RotatedArc(degrees)).into());
         }
@@ -227,43 +213,33 @@ impl State {
 
     /// G28 and G30: to the point of the axis words, if there are any, and from there with the axes named, or all of
     /// them, to `home`.
-    #[expect(clippy::float_cmp, reason = "the same number or another one")]
     pub(super) fn go_home(
         &mut self,
         home: Position,
         block: &Block,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        self.rotary |= block.letters().meets(Letters::ROTARY);
         let through = self.target(block, self.relative)?;
         self.rapid(through, out);
         let letters = block.letters();
         let all = !letters.meets(Letters::AXES);
-        let mut target = home;
-        let linear = target.linear.iter_mut().zip(self.offsets.machine_frame());
-        let rotary = target.rotary.iter_mut().zip(self.offsets.angles_from_tip());
-        for (target, tool) in linear.chain(rotary) {
-            *target += tool;
-        }
+        let target = sum(&home, &self.offsets.machine_frame());
         let target = Location::new(target, &self.offsets, self.units);
         let mut to = if all { target } else { self.location };
-        for (index, axis) in Letter::LINEAR.into_iter().enumerate() {
-            if !all && letters.contains(axis) {
-                // With the axes of the program, which may be rotated.
-                to.set_program(index, target.program[index], &self.offsets, self.units);
-                if self.offsets.rotation().is_none() {
-                    to.machine.linear[index] = target.machine.linear[index];
-                }
+        for (index, axis) in Letter::AXES.into_iter().enumerate() {
+            if all || !letters.contains(axis) {
+                continue;
             }
-        }
-        for (index, axis) in Letter::ROTARY.into_iter().enumerate() {
-            if all || letters.contains(axis) {
-                to.machine.rotary[index] = target.machine.rotary[index];
-                to.program_rotary[index] = target.program_rotary[index];
-                self.rotary |= self.location.machine.rotary[index] != to.machine.rotary[index];
+            if self.offsets.rotation().is_some() && index < 2 {
+                // With the axes of the program.
+                to.set_program(index, target.program[index], &self.offsets, self.units);
+            } else {
+                to.copy_axis(index, &target);
             }
         }
         check_position(&to)?;
+        let from = self.location.machine;
+        self.note_extra(&from, &to.machine)?;
         self.rapid(to, out);
         Ok(())
     }
@@ -292,6 +268,9 @@ impl State {
             _ => return,
         };
         let Ok(to) = to else { return };
+        if self.name_extra(block).is_err() {
+            return;
+        }
         if to != self.location {
             self.interrupt_compensation(out);
             self.location = to;
@@ -343,36 +322,49 @@ impl State {
         if reported { Ok(None) } else { Err(error.into()) }
     }
 
-    /// m/s, or a thousandth of degrees/s where only rotary axes move.
-    #[expect(clippy::float_cmp, reason = "the same number or another one")]
+    /// m/s; a thousandth of degrees/s where only rotary axes move, and of the length in degrees and mm where others
+    /// than X, Y, Z move.
     fn feed_along(
         &self,
         shape: &Shape,
         to: &Location,
         inverse_time: Option<f64>,
     ) -> Result<f64, DecodeError> {
-        let from = &self.location.machine.rotary;
         let length = shape.length();
-        // Without rotary axes no length is needed.
-        let turned = if self.rotary && from != &to.machine.rotary && length <= 0.0 {
-            Some(from.iter().zip(to.machine.rotary).map(|(from, to)| (to - from).powi(2)))
+        // Where X, Y and Z move, nothing else counts.
+        let [turn, shift] = if self.extra && length <= 0.0 {
+            self.extra_distance(&self.location.machine.extra_axes(), &to.machine.extra_axes())
         } else {
-            None
+            [0.0; 2]
         };
         let feed = if self.feed_mode == FeedMode::InverseTime {
             let per_minute = inverse_time.ok_or(DecodeError::MissingInverseTime)?;
-            let length = turned.map_or(length, |squares| squares.sum::<f64>().sqrt() * 1e-3);
+            let length = length.max(turn.hypot(shift) * 1e-3);
             // Without a length there is no time to keep, and any feed is right.
             per_minute / 60.0 * if length > 0.0 { length } else { 1.0 }
         } else {
             let feed = self.feed.ok_or(DecodeError::MissingFeed)?;
-            let feed = if turned.is_some() { feed.rotary * 1e-3 } else { feed.linear };
+            let feed = if shift > 0.0 {
+                // F is that of U, V and W.
+                feed.linear * (turn.hypot(shift) / shift)
+            } else if turn > 0.0 {
+                feed.rotary * 1e-3
+            } else {
+                feed.linear
+            };
             match self.feed_mode {
                 FeedMode::PerRevolution if feed > 0.0 => feed * self.speed_to(to)?,
                 _ => feed,
             }
         };
         if feed > 0.0 { Ok(feed) } else { Err(DecodeError::ZeroFeed) }
+    }
+
+    /// Distance of two positions of the extra axes in A B C, degrees, and in U V W, mm.
+    pub(super) fn extra_distance(&self, from: &ExtraPosition, to: &ExtraPosition) -> [f64; 2] {
+        let [a, b, shared, v, w] = std::array::from_fn(|axis| (to[axis] - from[axis]).powi(2));
+        let (c, u) = if self.shared == Some(Letter::U) { (0.0, shared) } else { (shared, 0.0) };
+        [(a + b + c).sqrt(), (u + v + w).sqrt()]
     }
 
     /// Goes along `shape` to `to`.
@@ -389,13 +381,13 @@ impl State {
         self.compensation.tool = None;
         self.location = to;
         let kept = self.keep_empty_moves || matches!(kind, ElementKind::Probe { .. });
-        if !kept && shape.length() <= 0.0 && from.rotary == to.machine.rotary {
+        if !kept && shape.length() <= 0.0 && from.extra_axes() == to.machine.extra_axes() {
             return;
         }
         // Behind an error an arc may begin elsewhere.
-        let start = Position { linear: shape.start().into(), rotary: from.rotary };
+        let start = Position { linear: shape.start().into(), ..from };
         self.connect(&start, out);
-        self.emit(kind, shape, feed, [from.rotary, to.machine.rotary], None, out);
+        self.emit(kind, shape, feed, [&from, &to.machine], None, out);
     }
 
     /// Waits, or calls an M function, where the tool is.
@@ -407,7 +399,7 @@ impl State {
         self.connect(&at, out);
         let point = Point3::from(at.linear);
         let shape = Shape::Line { start: point, end: point };
-        self.emit(kind, shape, 0.0, [at.rotary; 2], Some(parameters), out);
+        self.emit(kind, shape, 0.0, [&at; 2], Some(parameters), out);
     }
 
     /// Lets the set-point jump to `at` if the path has ended elsewhere: after G43 if the path is that of the tip, or
@@ -418,7 +410,7 @@ impl State {
         {
             let shape =
                 Shape::Line { start: Point3::from(end.linear), end: Point3::from(at.linear) };
-            self.emit(ElementKind::Jump, shape, 0.0, [end.rotary, at.rotary], None, out);
+            self.emit(ElementKind::Jump, shape, 0.0, [&end, at], None, out);
         }
     }
 
@@ -427,22 +419,22 @@ impl State {
         kind: ElementKind,
         shape: Shape,
         feed: f64,
-        rotary: [[f64; 3]; 2],
+        extra: [&Position; 2],
         parameters: Option<MParameters>,
         out: &mut Output,
     ) {
-        let [start, end] = rotary;
-        self.path_end = Some(Position { linear: shape.end().into(), rotary: end });
+        let [start, end] = extra;
+        self.path_end = Some(Position { linear: shape.end().into(), ..*end });
         let mut details = None;
         let parameters = parameters.filter(|parameters| *parameters != MParameters::default());
         let spindle = self.spindle_along();
-        if self.rotary || parameters.is_some() || spindle.is_some() {
-            let angles = |[a, b, c]: [f64; 3]| [a, b, c, 0.0, 0.0];
-            let extra = ExtraAxes { start: angles(start), end: angles(end) };
+        if self.extra || parameters.is_some() || spindle.is_some() {
+            let extra = ExtraAxes { start: start.extra_axes(), end: end.extra_axes() };
             details = Some(Box::new(Details {
-                extra: self.rotary.then_some(extra),
+                extra: self.extra.then_some(extra),
                 parameters: parameters.unwrap_or_default(),
                 spindle,
+                third_is_u: self.shared == Some(Letter::U),
                 ..Details::default()
             }));
         }
@@ -456,10 +448,64 @@ impl State {
     }
 }
 
+impl State {
+    /// Makes the axes that `block` names part of the path.
+    ///
+    /// # Errors
+    /// [`DecodeError::SharedAxis`] at C or U if the program has named the other one.
+    pub(super) fn name_extra(&mut self, block: &Block) -> Result<(), Problem> {
+        if !block.letters().meets(Letters::EXTRA) {
+            return Ok(());
+        }
+        self.extra = true;
+        let columns = |letter: Letter| block.get(letter).and_then(|_| block.columns(letter));
+        let mut letters = [Letter::C, Letter::U];
+        letters.sort_by_key(|letter| columns(*letter).map(|columns| columns.start));
+        for letter in letters.into_iter().filter(|letter| block.get(*letter).is_some()) {
+            self.share(letter).map_err(|error| Problem { columns: columns(letter), error })?;
+        }
+        Ok(())
+    }
+
+    /// Makes the axes that move from `from` to `to` part of the path.
+    ///
+    /// # Errors
+    /// [`DecodeError::SharedAxis`] if C or U moves and the program has named the other one.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
+    pub(super) fn note_extra(&mut self, from: &Position, to: &Position) -> Result<(), DecodeError> {
+        self.extra |= (from.rotary, from.parallel) != (to.rotary, to.parallel);
+        if from.rotary[2] != to.rotary[2] {
+            self.share(Letter::C)?;
+        }
+        if from.parallel[0] != to.parallel[0] {
+            self.share(Letter::U)?;
+        }
+        Ok(())
+    }
+
+    /// Makes C or U the axis that the program moves; the path may begin at other places than 0 of it.
+    fn share(&mut self, letter: Letter) -> Result<(), DecodeError> {
+        let before = self.shared.replace(letter);
+        if let Some(first) = before.filter(|first| *first != letter) {
+            self.shared = before;
+            let (first, second) = (first.as_char(), letter.as_char());
+            return Err(DecodeError::SharedAxis { first, second });
+        }
+        if before.is_none() && letter == Letter::U {
+            // Until then its position counts as one of C.
+            for at in [&mut self.location.machine].into_iter().chain(&mut self.path_end) {
+                at.parallel[0] += std::mem::take(&mut at.rotary[2]) * 1e-3;
+            }
+            self.location.find_program(&self.offsets, self.units);
+        }
+        Ok(())
+    }
+}
+
 /// An axis of the plane in force, or its normal.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
-    /// Of coordinates.
+    /// In the order of coordinates: X Y Z A B C U V W.
     pub(super) index: usize,
     pub(super) letter: Letter,
     /// Its word for the centre of an arc.
@@ -470,15 +516,23 @@ impl Axis {
     pub(super) const X: Self = Self { index: 0, letter: Letter::X, center: Letter::I };
     pub(super) const Y: Self = Self { index: 1, letter: Letter::Y, center: Letter::J };
     pub(super) const Z: Self = Self { index: 2, letter: Letter::Z, center: Letter::K };
+    const U: Self = Self { index: 6, letter: Letter::U, center: Letter::I };
+    const V: Self = Self { index: 7, letter: Letter::V, center: Letter::J };
+    const W: Self = Self { index: 8, letter: Letter::W, center: Letter::K };
 }
 
 impl State {
     /// First and second axis of the plane in force, and its normal.
     pub(super) fn axes(&self) -> [Axis; 3] {
+        let [x, y, z] = if self.parallel_plane {
+            [Axis::U, Axis::V, Axis::W]
+        } else {
+            [Axis::X, Axis::Y, Axis::Z]
+        };
         match self.plane {
-            twin_path::Plane::Xy => [Axis::X, Axis::Y, Axis::Z],
-            twin_path::Plane::Zx => [Axis::Z, Axis::X, Axis::Y],
-            twin_path::Plane::Yz => [Axis::Y, Axis::Z, Axis::X],
+            Plane::Xy => [x, y, z],
+            Plane::Zx => [z, x, y],
+            Plane::Yz => [y, z, x],
         }
     }
 
@@ -502,13 +556,22 @@ impl State {
 
 /// Checks that the machine can be meant to go there.
 fn check_position(to: &Location) -> Result<(), Problem> {
-    for (value, axis) in to.machine.linear.into_iter().zip(Letter::LINEAR) {
+    let lengths = to.machine.axes().into_iter().zip(Letter::AXES);
+    for (value, axis) in lengths.filter(|(_, axis)| !Letters::ROTARY.contains(*axis)) {
         if value.is_nan() || value.abs() > MAX_POSITION {
             let (letter, min, max) = (axis.as_char(), -MAX_POSITION, MAX_POSITION);
             return Err(DecodeError::OutOfRange { letter, value, min, max, unit: " m" }.into());
         }
     }
     Ok(())
+}
+
+fn position_in_range(block: &Block, axis: Letter, machine: f64) -> Result<(), Problem> {
+    if Letters::ROTARY.contains(axis) {
+        in_range(block, axis, machine, MAX_ANGLE, "°")
+    } else {
+        in_range(block, axis, machine, MAX_POSITION, " m")
+    }
 }
 
 fn in_range(

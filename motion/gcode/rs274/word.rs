@@ -202,6 +202,8 @@ pub(super) struct GWords {
     /// G92.1, G92.2 or G92.3.
     pub(super) g92_switch: Option<OneShot>,
     pub(super) plane: Option<Plane>,
+    /// G17.1 to G19.1 (true), G17 to G19.
+    pub(super) parallel_plane: Option<bool>,
     pub(super) units: Option<LengthUnit>,
     pub(super) compensation: Option<Compensate>,
     /// G43 to G43.2, G49.
@@ -228,7 +230,7 @@ type GWord = (u16, Group, fn(&mut GWords));
 
 /// The G words, in the order of their numbers.
 #[rustfmt::skip]
-const G_WORDS: [GWord; 78] = [
+const G_WORDS: [GWord; 81] = [
     (  0, Group::Motion,       |g| g.motion = Some(Motion::Rapid)),
     ( 10, Group::Motion,       |g| g.motion = Some(Motion::Line)),
     ( 20, Group::Motion,       |g| g.motion = Some(Motion::Arc { clockwise: true })),
@@ -241,9 +243,12 @@ const G_WORDS: [GWord; 78] = [
     ( 70, Group::Diameter,     |g| g.diameters = Some(true)),
     ( 80, Group::Diameter,     |g| g.diameters = Some(false)),
     (100, Group::NonModal,     |g| g.one_shot = Some(OneShot::SetData)),
-    (170, Group::Plane,        |g| g.plane = Some(Plane::Xy)),
-    (180, Group::Plane,        |g| g.plane = Some(Plane::Zx)),
-    (190, Group::Plane,        |g| g.plane = Some(Plane::Yz)),
+    (170, Group::Plane,        |g| g.set_plane(Plane::Xy, false)),
+    (171, Group::Plane,        |g| g.set_plane(Plane::Xy, true)),
+    (180, Group::Plane,        |g| g.set_plane(Plane::Zx, false)),
+    (181, Group::Plane,        |g| g.set_plane(Plane::Zx, true)),
+    (190, Group::Plane,        |g| g.set_plane(Plane::Yz, false)),
+    (191, Group::Plane,        |g| g.set_plane(Plane::Yz, true)),
     (200, Group::Units,        |g| g.units = Some(LengthUnit::Inch)),
     (210, Group::Units,        |g| g.units = Some(LengthUnit::Millimetre)),
     (280, Group::NonModal,     |g| g.one_shot = Some(OneShot::GoHome(Home::First))),
@@ -404,6 +409,10 @@ impl GWords {
             }
         }
         taken
+    }
+
+    fn set_plane(&mut self, plane: Plane, parallel: bool) {
+        (self.plane, self.parallel_plane) = (Some(plane), Some(parallel));
     }
 }
 

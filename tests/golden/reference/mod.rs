@@ -8,6 +8,7 @@
 //! ```
 
 mod command_line;
+mod controls;
 mod machine_file;
 mod report;
 mod rules;

@@ -3,6 +3,7 @@
 use super::numbers::{list, within};
 use crate::command::Failure;
 use crate::program::Operations;
+use twin_gcode::rs274::Position;
 use twin_machine::ProgramConditions;
 use twin_path::Chords;
 use twin_path::prepare::CircularLimits;
@@ -68,9 +69,7 @@ impl PreparationOptions {
         if let Some([x, y, z, additional @ ..]) = self.start {
             conditions.start = [x, y, z].map(|value| value * 1e-3);
             conditions.start_additional = additional;
-            let [a, b, c, _, _] = additional;
-            conditions.rs274.start.linear = conditions.start;
-            conditions.rs274.start.rotary = [a, b, c];
+            conditions.rs274.start = Position::new(conditions.start, additional);
         }
         let inputs = &mut conditions.preparation;
         let metres = |value: f64| value * 1e-3;

@@ -96,7 +96,9 @@ impl State {
         }
         let refused = |word| Err(DecodeError::Compensated(word).into());
         match block.g.plane {
-            Some(plane) if plane != self.plane => refused("another plane (G17 to G19)"),
+            Some(plane) if plane != self.plane || block.g.parallel_plane == Some(true) => {
+                refused("another plane (G17 to G19.1)")
+            }
             _ if block.m.input_output.is_some() => refused("an input or output (M62 to M68)"),
             _ if block.m.overrides.is_some() => refused("an override switch (M48 to M53)"),
             _ if block.m.tool_change == Some(6) => refused("M6"),
@@ -158,7 +160,7 @@ impl State {
             Compensate::Off => return self.end_compensation(out),
             Compensate::Tool { left } | Compensate::Diameter { left } => left,
         };
-        if self.plane == Plane::Yz {
+        if self.plane == Plane::Yz || self.parallel_plane {
             return Err(DecodeError::CompensationPlane(word.number()).into());
         }
         if self.compensation.cutter.is_some() {
@@ -258,7 +260,7 @@ impl State {
     }
 
     /// Coordinates of the tool's centre, or of the tool without compensation, in the program's units.
-    pub(super) fn compensated_program(&self) -> [f64; 3] {
+    pub(super) fn compensated_program(&self) -> [f64; 9] {
         let cutter = self.compensation.cutter.as_ref();
         let Some((frame, center)) = cutter.and_then(|one| Some((one.frame, one.center?))) else {
             return self.location.program;

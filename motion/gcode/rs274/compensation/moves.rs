@@ -8,6 +8,7 @@ use super::queue::{Curve, Move};
 use crate::rs274::block::{Block, Letter};
 use crate::rs274::error::{DecodeError, Problem};
 use crate::rs274::offsets::Location;
+use crate::rs274::options::Position;
 use crate::rs274::output::Output;
 use crate::rs274::state::State;
 use crate::rs274::word::Motion;
@@ -30,7 +31,8 @@ struct Programmed {
     start_height: f64,
     end: Vector2<f64>,
     height: f64,
-    rotary: [f64; 3],
+    /// As programmed.
+    axes: Position,
 }
 
 /// An arc as it is programmed, in the frame.
@@ -43,8 +45,8 @@ struct Round {
 
 impl Programmed {
     fn with(&self, curve: Curve, end: Vector2<f64>) -> Move {
-        let Self { kind, feed, height, rotary, .. } = *self;
-        Move { kind, feed, curve, end, height, rotary }
+        let Self { kind, feed, height, axes, .. } = *self;
+        Move { kind, feed, curve, end, height, axes }
     }
 }
 
@@ -135,8 +137,7 @@ impl State {
         self.compensation.tool.get_or_insert(from);
         let (start, start_height) = frame.flat(from.linear);
         let (end, height) = frame.flat(to.machine.linear);
-        let rotary = to.machine.rotary;
-        Programmed { kind, feed, start, start_height, end, height, rotary }
+        Programmed { kind, feed, start, start_height, end, height, axes: to.machine }
     }
 
     /// Appends a move to the queue; the tool's centre is at its end.

@@ -42,8 +42,8 @@ pub(super) struct Move {
     pub(super) end: Vector2<f64>,
     /// Along the normal of the plane, m.
     pub(super) height: f64,
-    /// Rotary axes at the end, degrees.
-    pub(super) rotary: [f64; 3],
+    /// The programmed end, of which the extra axes count.
+    pub(super) axes: Position,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -187,7 +187,7 @@ impl State {
             let start = Point3::from(self.tool_position().linear);
             let shape = one.shape(start, frame, Vector3::from(shift));
             let mut to = programmed;
-            to.machine = Position { linear: shape.end().into(), rotary: one.rotary };
+            to.machine = Position { linear: shape.end().into(), ..one.axes };
             self.go(one.kind, shape, one.feed, to, out);
             self.compensation.tool = Some(to.machine);
         }

@@ -69,7 +69,7 @@ fn linuxcnc(program: &Path) -> (Vec<Move>, Option<String>) {
     if program.ends_with("linuxcnc_debian/puma_cube.ngc") {
         // It has A without its offset, too: G10 sets it to 180.
         for one in &mut moves {
-            one.abc[0] += 180.0;
+            one.extra[0] += 180.0;
         }
     }
     if program.ends_with("linuxcnc_debian/comp311.ngc") {
@@ -107,12 +107,12 @@ fn correct_threads(text: &str, moves: &mut Vec<Move>) {
 /// Makes the feeds of moves in which no linear axis takes part degrees per minute. The programs with such moves are in
 /// inches.
 fn correct_rotary_feeds(moves: &mut [Move]) {
-    let (mut end, mut abc) = (vec![0.0; 3], [0.0; 3]);
+    let (mut end, mut extra) = (vec![0.0; 3], [0.0; 5]);
     for one in moves.iter_mut().filter(|one| one.kind != "dwell") {
-        if one.points == end && one.abc != abc {
+        if one.points == end && one.extra != extra {
             one.feed = one.feed.map(|feed| feed / 25.4);
         }
-        (end, abc) = (one.points[..3].to_vec(), one.abc);
+        (end, extra) = (one.points[..3].to_vec(), one.extra);
     }
 }
 
@@ -123,13 +123,15 @@ pub(super) fn as_linuxcnc_move(object: &Value) -> Move {
     if kind == "arc" {
         kind = format!("arc {} {}", object["plane"].as_str().unwrap(), object["turns"]);
     }
-    let mut abc = numbers("abc");
+    let mut extra = [0.0; 5];
+    extra.iter_mut().zip(numbers("abc")).for_each(|(slot, angle)| *slot += angle);
+    extra[2..].iter_mut().zip(numbers("uvw")).for_each(|(slot, length)| *slot += length);
     Move {
         line: u32::try_from(object["line"].as_u64().unwrap()).unwrap(),
         kind,
         points: numbers("end").chain(numbers("center")).collect(),
         feed: object["feed"].as_f64(),
-        abc: std::array::from_fn(|_| abc.next().unwrap_or_default()),
+        extra,
         seconds: object["seconds"].as_f64(),
     }
 }

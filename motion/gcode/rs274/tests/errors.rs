@@ -125,7 +125,7 @@ fn long_lines() {
 /// All well-formed words are checked; nothing is read behind text that is not a word.
 #[test]
 fn several_in_a_block() {
-    let decoded = decode("N10 G13 X1 V3 X2 Y1..5 G1 M29 = M30 U1\nM2");
+    let decoded = decode("N10 G13 X1 G9 X2 Y1..5 G1 M29 = M30 U1\nM2");
     let found: Vec<_> = decoded.errors.iter().map(|error| error.columns.clone().unwrap()).collect();
     assert_eq!(found, [4..7, 11..13, 14..16, 17..22, 26..29, 30..31]);
     assert!(decoded.errors.iter().all(|error| error.place.block == Some(10)));

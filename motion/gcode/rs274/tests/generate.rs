@@ -12,8 +12,12 @@ const PLANES: [(&str, [char; 3], [char; 2]); 3] = [
 ];
 
 /// Features that together differ from LinuxCNC's, as the documentation of `rs274` says.
-const APART: [(&str, &str); 3] =
-    [("do", "breaks"), ("rotation", "shift"), ("rotation", "local-shift")];
+const APART: [(&str, &str); 4] = [
+    ("do", "breaks"),
+    ("rotation", "shift"),
+    ("rotation", "local-shift"),
+    ("rotary-c", "auxiliary"),
+];
 
 /// The features of the grammar whose mark is one of `marks`: + if the decoder has them, - if not.
 pub(super) fn features(marks: &str) -> Vec<&'static str> {

@@ -30,7 +30,7 @@ fn one_warning_of_a_kind() {
         (
             "X1 Y2\nX3\nG1 F6 X4\nM2",
             "1 2 0 | 3 2 0 | 4 2 0",
-            "line 1: coordinates before any motion word (G0, G1, ...) are read as G0 (LinuxCNC refuses it); the same 1 time more, the last in line 2",
+            "line 1: coordinates before any motion word (G0, G1, ...) are read as G0 (LinuxCNC refuses it); 1 time more, last in line 2",
             &[
                 "line 1: axis words without a motion: no G0, G1, G2, G3 or canned cycle is in force",
                 "line 2: axis words without a motion: no G0, G1, G2, G3 or canned cycle is in force",
@@ -39,13 +39,13 @@ fn one_warning_of_a_kind() {
         (
             "G1 X1\nX2\nG2 X4 I1\nG0 X9\nM2",
             "1 0 0 | 2 0 0 | 4 0 0 | 9 0 0",
-            "line 1: motion before any F is read with 100 mm/min: write F, or the sender sets another (LinuxCNC refuses it); the same 2 times more, the last in line 3",
+            "line 1: motion before any F is read with 100 mm/min: write F, or the sender sets another (LinuxCNC refuses it); 2 times more, last in line 3",
             &["line 1: motion without a feed: F has not been set, or not since G94"],
         ),
         (
             "F60 G2 X2 I1 K5\nG3 X0 I-1 K1\nM2",
             "2 0 0 | 0 0 0",
-            "line 1: K of an arc has no effect along the normal of its plane (LinuxCNC refuses it); the same 1 time more, the last in line 2",
+            "line 1: K of an arc has no effect along the normal of its plane (LinuxCNC refuses it); 1 time more, last in line 2",
             &[
                 "line 1: K is not in the plane of the arc",
                 "line 2: K is not in the plane of the arc",

@@ -2,8 +2,8 @@
 //!
 //! `linuxcnc.txt` is the output of LinuxCNC 2.9's interpreter (Debian package linuxcnc-uspace 2.9, its Python module
 //! `gcode`, all offsets zero) for programs that were written to test its rules: `| line of the program`, then its moves
-//! in mm and mm/min as `line kind x y z [F feed] [plane turns n center first second] [abc a b c]`,
-//! `line dwell seconds`, or `! error`, where it stopped. Where only rotary axes move F is in degrees per minute, as
+//! in mm and mm/min as `line kind x y z [F feed] [plane turns n center first second] [abc a b c]
+//! [uvw u v w]`, `line dwell seconds`, or `! error`, where it stopped. Where only rotary axes move F is in degrees per minute, as
 //! `rs274 -g` has it; for a program in inches the module gives 25.4 times as much. `probe` moves go to their ends:
 //! there is nothing to touch.
 
@@ -52,7 +52,8 @@ fn parse(line: &str) -> Move {
     while let Some(word) = words.next() {
         match word {
             "F" => result.feed = Some(next(words)),
-            "abc" => result.abc = std::array::from_fn(|_| next(words)),
+            "abc" => result.extra[..3].fill_with(|| next(words)),
+            "uvw" => result.extra[2..].iter_mut().for_each(|slot| *slot += next::<f64>(words)),
             plane => {
                 assert_eq!(words.next(), Some("turns"));
                 result.kind = format!("{} {plane} {}", result.kind, next::<i32>(words));

@@ -4,6 +4,7 @@
 #![expect(clippy::cast_precision_loss, reason = "counts and dwells: far below 2^53")]
 
 mod compensation;
+mod control;
 mod corpus;
 mod cycles;
 mod errors;
@@ -14,6 +15,7 @@ mod modes;
 mod moves;
 mod offsets;
 mod oracle;
+mod parallel;
 mod probe;
 mod random;
 mod refeed;
@@ -24,6 +26,7 @@ mod unsupported;
 mod words;
 mod write;
 
+use super::block::Letter;
 use super::{Decoder, DecoderOptions, Diagnostic, Failure, Item, Position};
 use twin_path::{ElementKind, PathElement};
 
@@ -35,11 +38,14 @@ struct Decoded {
     errors: Vec<Diagnostic>,
     /// Number of elements before the first error.
     sound: usize,
+    /// The extra axis U is U and not C.
+    moves_u: bool,
 }
 
 fn decode_with(options: DecoderOptions, program: &[u8]) -> Decoded {
     let mut decoded = Decoded::default();
-    for item in Decoder::new(program, options) {
+    let mut decoder = Decoder::new(program, options);
+    for item in decoder.by_ref() {
         match item {
             Ok(Item::Element(element)) => decoded.elements.push(element),
             Ok(Item::Warning(diagnostic)) => decoded.warnings.push(diagnostic),
@@ -55,6 +61,7 @@ fn decode_with(options: DecoderOptions, program: &[u8]) -> Decoded {
     if decoded.errors.is_empty() {
         decoded.sound = decoded.elements.len();
     }
+    decoded.moves_u = decoder.state.shared == Some(Letter::U);
     decoded
 }
 
@@ -98,5 +105,5 @@ fn kinds(elements: &[PathElement]) -> Vec<ElementKind> {
 
 /// `X Y Z` in m and no rotary axes.
 fn at(linear: [f64; 3]) -> Position {
-    Position { linear, rotary: [0.0; 3] }
+    Position { linear, ..Position::default() }
 }

@@ -16,7 +16,8 @@ pub(super) struct Move {
     /// The end, and of an arc the first and second coordinate of its centre in the plane.
     pub(super) points: Vec<f64>,
     pub(super) feed: Option<f64>,
-    pub(super) abc: [f64; 3],
+    /// A, B, C or U, V, W: degrees and mm.
+    pub(super) extra: [f64; 5],
     pub(super) seconds: Option<f64>,
 }
 
@@ -43,8 +44,14 @@ pub(super) fn assert_same_moves(name: &str, decoded: &Decoded, expected: &[Move]
 /// Moves before the block with the first error.
 pub(super) fn moves_before_error(decoded: &Decoded) -> Vec<Move> {
     let end = decoded.errors.first().map(|error| error.place.line);
-    let mut moves: Vec<Move> =
-        decoded.elements[..decoded.sound].iter().filter_map(as_move).collect();
+    let elements = decoded.elements[..decoded.sound].iter();
+    let mut moves: Vec<Move> = elements
+        .filter_map(|element| {
+            let mut one = as_move(element)?;
+            one.feed = one.feed.map(|feed| feed * feed_of_parallel_axes(element, decoded.moves_u));
+            Some(one)
+        })
+        .collect();
     while moves.last().is_some_and(|last| Some(last.line) == end) {
         moves.pop();
     }
@@ -72,12 +79,21 @@ pub(super) fn difference(decoded: &Decoded, expected: &[Move]) -> Result<usize, 
     Err(format!("{} moves, LinuxCNC {}", ours.len(), expected.len()))
 }
 
+/// LinuxCNC's feed by that of `element`, which counts angles too where X, Y and Z stay.
+fn feed_of_parallel_axes(element: &PathElement, moves_u: bool) -> f64 {
+    let Some(extra) = element.extra().filter(|_| element.shape.length() <= 0.0) else { return 1.0 };
+    let lengths = if moves_u { 2.. } else { 3.. };
+    let squares = extra.start.iter().zip(extra.end).map(|(start, end)| (end - start).powi(2));
+    let shift = squares.collect::<Vec<_>>()[lengths].iter().sum::<f64>().sqrt();
+    if shift > 0.0 { shift / extra.length() } else { 1.0 }
+}
+
 /// `element` as a move; M functions are none.
 pub(super) fn as_move(element: &PathElement) -> Option<Move> {
     let points = (element.end().coords * 1e3).as_slice().to_vec();
     let mut result = Move { line: element.place.line, points, ..Move::default() };
     if let Some(extra) = element.extra() {
-        result.abc.copy_from_slice(&extra.end[..3]);
+        result.extra = extra.end;
     }
     result.kind = match (element.kind, &element.shape) {
         (ElementKind::Rapid, _) => "rapid".to_owned(),
@@ -93,7 +109,7 @@ pub(super) fn as_move(element: &PathElement) -> Option<Move> {
             format!("arc {plane} {turns}")
         }
         (ElementKind::Dwell { time_ns }, _) => {
-            (result.points, result.abc) = (Vec::new(), [0.0; 3]);
+            (result.points, result.extra) = (Vec::new(), [0.0; 5]);
             result.seconds = Some(time_ns as f64 / 1e9);
             "dwell".to_owned()
         }
@@ -125,7 +141,7 @@ impl Move {
             && close(&self.points, &expected.points, 1e-4)
             && (LOWEST_INVERSE_TIME.contains(&expected.feed)
                 || close(self.feed.as_slice(), expected.feed.as_slice(), feed_tolerance))
-            && close(&self.abc, &expected.abc, 1e-6)
+            && close(&self.extra, &expected.extra, 1e-6)
             && self.seconds == expected.seconds;
         (!same).then(|| format!("{self:?}, LinuxCNC {expected:?}"))
     }

@@ -76,7 +76,8 @@ class Canon:
         self.feed = rate * INCH
         self.rotary_feed = self.feed if self.metric else rate
 
-    def set_plane(self, plane): self.plane = PLANES[plane]
+    # Arcs of G17.1, G18.1 and G19.1 are errors.
+    def set_plane(self, plane): self.plane = PLANES.get(plane, self.plane)
     def set_g5x_offset(self, _, *offset): self.system = millimetres(offset)
     def set_g92_offset(self, *offset): self.shift = millimetres(offset)
 

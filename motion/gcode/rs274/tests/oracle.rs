@@ -29,9 +29,9 @@ const TOOLS: [(u32, [f64; 3], f64); 4] = [
     (4, [0.0, 0.0, 0.0], 8.0),
 ];
 /// Targets of G28 and G30 and origin of G55, mm and degrees.
-const G28: [f64; 6] = [5.0, 10.0, 50.0, 0.0, 0.0, 0.0];
-const G30: [f64; 6] = [-5.0, 20.0, 100.0, 10.0, 20.0, 30.0];
-const G55: [f64; 6] = [100.0, 200.0, -30.0, 15.0, 0.0, 0.0];
+const G28: [f64; 9] = [5.0, 10.0, 50.0, 0.0, 0.0, 0.0, 0.0, 0.0, 25.0];
+const G30: [f64; 9] = [-5.0, 20.0, 100.0, 10.0, 20.0, 0.0, 0.0, -15.0, 0.0];
+const G55: [f64; 9] = [100.0, 200.0, -30.0, 15.0, 0.0, 0.0, 0.0, 40.0, -5.0];
 
 /// What LinuxCNC makes of a program.
 #[derive(Debug)]
@@ -41,8 +41,9 @@ pub(super) struct Verdict {
     pub(super) stopped: Option<(u64, String)>,
 }
 
-fn position([x, y, z, a, b, c]: [f64; 6]) -> Position {
-    Position { linear: [x, y, z].map(|length| length / 1e3), rotary: [a, b, c] }
+fn position([x, y, z, a, b, c, u, v, w]: [f64; 9]) -> Position {
+    let [linear, parallel] = [[x, y, z], [u, v, w]].map(|axes| axes.map(|length| length / 1e3));
+    Position { linear, rotary: [a, b, c], parallel }
 }
 
 fn options() -> DecoderOptions {

@@ -202,14 +202,14 @@ fn what_the_target_is_asked() {
         path(
             Place { line: 2, block: Some(7) },
             at(xs(0.0)),
-            Position { linear: xs(0.008), rotary },
+            Position { rotary, ..at(xs(0.008)) },
             0.001,
             ProbeTrip::Release,
         ),
         path(
             Place { line: 4, block: None },
-            Position { linear: xs(0.009), rotary },
-            Position { linear: xs(0.007), rotary },
+            Position { rotary, ..at(xs(0.009)) },
+            Position { rotary, ..at(xs(0.007)) },
             0.0005,
             ProbeTrip::Touch,
         ),

@@ -22,9 +22,9 @@ fn run(program: &[u8], capacity: usize, options: &DecoderOptions) -> Vec<Result<
 /// Random text that resembles a program more often than random bytes do.
 pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
     let scrap = prop_oneof![
-        4 => "[NGXYZABCIJKRFMTSHPQLOUEDngxyzijkrf$/%();\\[\\]#= \t.,+-]{0,3}",
-        6 => "[NGXYZABCIJKRFMTSHPQLO]-?[0-9]{0,4}\\.?[0-9]{0,3} ?",
-        3 => "G(0|1|2|3|4|5|5\\.[123]|17|18|19|2[018]|30|38\\.[2-5]|4[0-39]|4[12]\\.1|5[3-9]|59\\.[123]|61|61\\.1|64|7|8|33|33\\.1|7[346]|8[0-9]|9[0-7]|9[01]\\.1|92\\.[123]|98|99) ",
+        4 => "[NGXYZABCIJKRFMTSHPQLOUVWEDngxyzijkrf$/%();\\[\\]#= \t.,+-]{0,3}",
+        6 => "[NGXYZABCUVWIJKRFMTSHPQLO$]-?[0-9]{0,4}\\.?[0-9]{0,3} ?",
+        3 => "G(0|1|2|3|4|5|5\\.[123]|17|18|19|1[789]\\.1|2[018]|30|38\\.[2-5]|4[0-39]|4[12]\\.1|5[3-9]|59\\.[123]|61|61\\.1|64|7|8|33|33\\.1|7[346]|8[0-9]|9[0-7]|9[01]\\.1|92\\.[123]|98|99) ",
         1 => "G(81|82|83) X1 Z-[0-9]{1,9} R[0-9] Q\\.?[0-9] P[0-9] L[0-9]{1,6} ",
         2 => "(M3 S90 G8[4-8]|M4 S.5 G74|M3 S9 G7 G76|S[0-9] G33(.1)?) Z-[0-9]{1,6} [PQ][0-9] I-?[0-9] J[0-9] K[0-9] R[0-9] H[0-9]{1,6} E[0-9] L[0-9] ",
         1 => "(G95 F.1|G96 D9?) S[0-9]{1,4} ",
@@ -44,7 +44,8 @@ pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
 fn options() -> impl Strategy<Value = DecoderOptions> {
     let position = || {
         ([-1.0..1.0, -1.0..1.0, -1.0..1.0_f64], any::<bool>()).prop_map(|(linear, turned)| {
-            Position { linear, rotary: [if turned { 30.0 } else { 0.0 }, 0.0, 0.0] }
+            let rotary = [if turned { 30.0 } else { 0.0 }, 0.0, 0.0];
+            Position { linear, rotary, parallel: linear }
         })
     };
     (position(), position(), position(), any::<[bool; 4]>()).prop_map(
@@ -97,7 +98,7 @@ fn block() -> impl Strategy<Value = String> {
     prop_oneof![
         4 => (prop::sample::select(vec!["G0", "G1", "g01", "", "G53 G0", "G38.2", "g38.3", "G38.4", "G 38.5"]), words("XYZ"))
             .prop_map(|(command, words)| format!("{command}{words}")),
-        1 => words("XYZABC").prop_map(|words| format!("G1{words}")),
+        1 => words("XYZABCVW").prop_map(|words| format!("G1{words}")),
         2 => (2..4, words("XYZ"), 1..400_000).prop_map(|(g, words, r)| format!(
             "G{g} {words} R{}", f64::from(r) / 1e3
         )),
@@ -122,7 +123,7 @@ fn block() -> impl Strategy<Value = String> {
             "G17", "G18", "G19", "G20", "G21", "G90", "G91", "G90.1", "G91.1", "G94 F100", "G95 S90 F.7",
             "G54", "G55", "G59.3", "G49", "G40", "G41", "G42 D9", "G41.1 D2", "G61", "G64 P.1", "G92.1", "G92.2", "G92.3", "G98",
             "G10 L2 P0 X1 R30", "G10 L20 P2 Y5", "G10 L2 P0 R0", "G10 L1 P3 Z7", "G10 L11 P3 X1 Y2",
-            "G28.1", "G30.1", "G43.1 Z5 A3", "G43.2 H3", "M61 Q2", "G80 G52 X3", "#5221=2 #5250=9",
+            "G28.1", "G30.1", "G43.1 Z5 A3 W2", "G10 L2 P2 V5", "M4 S9 $-1", "G43.2 H3", "M61 Q2", "G80 G52 X3", "#5221=2 #5250=9",
             "G99", "G4 P.25", "M3 S100", "M6 T3", "M8", "M0", "M70", "M72", "M73", "M62 P1", "M66 P1", "M101", "G61.1", "(text)", "; text", "", "F7.5",
         ]).prop_map(str::to_owned),
     ]

@@ -161,17 +161,22 @@ fn m_functions() {
     assert_eq!(rewritten(None, program), expected);
     assert_round_trip(None, program);
     for (control, program, message) in [
-        (Control::Grbl, "M7", "line 1: grbl does not have M7"),
-        (Control::Grbl, "\nT1 M6", "line 2: grbl does not have M6"),
-        (Control::GrblHal, "M19", "line 1: grblHAL does not have M19"),
-        (Control::FluidNc, "M60", "line 1: FluidNC does not have M60"),
-        (Control::Fanuc, "M62 P1", "line 1: Fanuc does not have M62"),
+        (Control::Grbl, "M7", "line 1: a program for grbl cannot contain M7"),
+        (Control::Grbl, "\nT1 M6", "line 2: a program for grbl cannot contain M6"),
+        (Control::GrblHal, "M19", "line 1: a program for grblHAL cannot contain M19"),
+        (Control::FluidNc, "M60", "line 1: a program for FluidNC cannot contain M60"),
+        (Control::FluidNc, "M66 P0 L3 Q1", "line 1: a program for FluidNC cannot contain M66"),
+        (Control::Fanuc, "M62 P1", "line 1: a program for Fanuc cannot contain M62"),
+        (Control::Fanuc, "M101", "line 1: a program for Fanuc cannot contain M101"),
         (Control::Fanuc, "M19 R5", "line 1: M19 of RS274 cannot take the parameter K of the path"),
-        (Control::Mach3, "M68 E0 Q1", "line 1: Mach3 does not have M68"),
-        (Control::Mach3, "F1 G38.2 X1", "line 1: Mach3 does not have G38.2"),
-        (Control::Grbl, "G0 X1 B2", "line 1: grbl does not have the axis B"),
+        (Control::Mach3, "M68 E0 Q1", "line 1: a program for Mach3 cannot contain M68"),
+        (Control::Mach3, "F1 G38.2 X1", "line 1: a program for Mach3 cannot contain G38.2"),
+        (Control::Grbl, "G0 X1 B2", "line 1: a program for grbl cannot contain B"),
+        (Control::LinuxCnc, "M47", "line 1: a program for LinuxCNC cannot contain M47"),
+        (Control::LinuxCnc, "G0 X1 U2", "line 1: RS274 cannot express the axes U, V and W"),
     ] {
-        assert_eq!(write_for(control, &with_speeds(program)).unwrap_err().to_string(), message);
+        let error = write_for(control, &with_speeds(program)).unwrap_err().to_string();
+        assert!(error.starts_with(message), "{error}");
     }
     assert_eq!(rewritten(Control::Fanuc, "M19"), "M19\n");
 }
@@ -227,7 +232,10 @@ fn errors() {
     };
     for (path, message) in [
         (vec![detailed(Details { switches, ..Details::default() })], "switches on the way (H)"),
-        (vec![detailed(Details { extra: Some(extra), ..Details::default() })], "the axes V and W"),
+        (
+            vec![detailed(Details { extra: Some(extra), ..Details::default() })],
+            "the axes U, V and W",
+        ),
         (vec![PathElement { marks: Marks::LOOPS, ..line.clone() }], "use --prepare"),
         (vec![PathElement { kind: probe, ..line.clone() }], "without its programmed end"),
         (vec![line.clone(), jump], "a jump of the position"),
@@ -425,7 +433,7 @@ fn assert_same(name: &str, path: &[PathElement], moves: &[Move]) -> usize {
         let same = is_last(one)
             && (is_short || one.kind == expected.kind)
             && one.seconds == same.seconds
-            && one.abc.iter().zip(same.abc).all(|(a, b)| (a - b).abs() < 1e-4)
+            && one.extra.iter().zip(same.extra).all(|(a, b)| (a - b).abs() < 1e-4)
             && one.feed.zip(same.feed).is_none_or(|(a, b)| (a - b).abs() < 2e-4 + 1e-9 * a);
         assert!(same, "{name}: {one:?}, {expected:?}");
         count += 1;

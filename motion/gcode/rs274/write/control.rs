@@ -1,9 +1,9 @@
-//! Words of the controls.
+//! Words of the controls, besides those of the table.
 //!
-//! Sources: LinuxCNC 2.9's documentation; `gcode.c` of grbl 1.1, of grblHAL and of FluidNC 3; Fanuc's operator's manuals
-//! (series 0i and 15i); Mach3's manual of the mill. M7 of grbl needs a build option and counts as missing.
+//! Feeds: `planner.c` of grblHAL and FluidNC, and Fanuc's operator's manual of the series 15i (parameter HTG). Radii:
+//! `gcode.c` of grbl 1.1.
 
-use crate::rs274::Control;
+use crate::rs274::control::{Control, Reading, row};
 
 impl Control {
     /// The lines before the first move: modes that the program relies on.
@@ -20,37 +20,21 @@ impl Control {
         if self == Self::Fanuc { 3 } else { 4 }
     }
 
-    /// True if it has P, the turns of an arc.
-    pub(super) fn has_turns(self) -> bool {
-        matches!(self, Self::LinuxCnc | Self::GrblHal | Self::FluidNc)
-    }
-
-    /// True if it has A, B and C.
-    pub(super) fn has_rotary_axes(self) -> bool {
-        self != Self::Grbl
-    }
-
     /// True if F counts degrees as mm where rotary axes move along with others.
     pub(super) fn adds_rotary_feed(self) -> bool {
         matches!(self, Self::GrblHal | Self::FluidNc | Self::Fanuc)
     }
 
-    /// True if it has G38.2 to G38.5.
-    pub(super) fn has_probing(self) -> bool {
-        !matches!(self, Self::Fanuc | Self::Mach3)
-    }
-
-    /// True if it has the M function `number`.
-    pub(super) fn has_m(self, number: u16) -> bool {
-        match number {
-            0 | 1 | 3..=5 | 8 | 9 => true,
-            6 | 7 => self != Self::Grbl,
-            19 => matches!(self, Self::LinuxCnc | Self::Fanuc),
-            60 => matches!(self, Self::LinuxCnc | Self::GrblHal),
-            62..=68 => matches!(self, Self::LinuxCnc | Self::GrblHal | Self::FluidNc),
-            100..=199 => matches!(self, Self::LinuxCnc | Self::Mach3),
-            _ => false,
-        }
+    /// What it does with `word` if the writer cannot use it.
+    pub(super) fn refusal(self, word: &str) -> Option<&'static str> {
+        let number: Option<u16> = word.strip_prefix('M').and_then(|number| number.parse().ok());
+        let others = number.and_then(|_| row("other M words"));
+        let cell = row(word).or(others)?.cell(self)?;
+        // User functions are macros in LinuxCNC, too; others there are means something else.
+        let is_other = cell.reading == Reading::Different && number.is_some_and(|it| it > 30);
+        let is_macro = self == Self::Mach3 && number.is_some_and(|it| it >= 100);
+        let refused = cell.reading == Reading::Refused || (is_other && !is_macro);
+        refused.then_some(cell.reason)
     }
 
     /// True if it takes an arc with these radii at its ends, mm, that LinuxCNC takes in a program in mm.

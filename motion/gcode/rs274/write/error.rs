@@ -14,7 +14,7 @@ pub enum WriteError {
     #[error("SoftMotion reads its dialect of DIN 66025 only: use --format din66025")]
     SoftMotion,
     /// A word that the control does not have.
-    #[error("{place}: {control} does not have {word}")]
+    #[error("{place}: a program for {control} cannot contain {word}{}", in_brackets(reason))]
     Word {
         /// The element's block.
         place: Place,
@@ -22,6 +22,8 @@ pub enum WriteError {
         word: String,
         /// The control.
         control: Control,
+        /// What it does instead; may be empty.
+        reason: &'static str,
     },
     /// A parameter of an M function that its word cannot take.
     #[error("{place}: M{number} of RS274 cannot take the parameter {parameter} of the path")]
@@ -67,4 +69,8 @@ pub enum WriteError {
         /// The number, in the units of the program.
         value: f64,
     },
+}
+
+fn in_brackets(reason: &str) -> String {
+    if reason.is_empty() { String::new() } else { format!(" ({reason})") }
 }

@@ -165,8 +165,9 @@ impl<W: Write> ProgramWriter<W> {
         if let Some(details) = &element.details {
             let extra = details.extra.unwrap_or_default();
             let differ = |(a, b): (&f64, &f64)| a.to_bits() != b.to_bits();
-            if extra.start.iter().zip(&extra.end).skip(3).any(differ) {
-                return inexpressible("the axes V and W");
+            let rotary = if details.third_is_u { 2 } else { 3 };
+            if extra.start.iter().zip(&extra.end).skip(rotary).any(differ) {
+                return inexpressible("the axes U, V and W");
             }
             if details.s_profile != AxisMask::default()
                 && ((start[2] - end[2]).abs() > 0.0 || extra.length() > 0.0)
@@ -212,8 +213,11 @@ impl<W: Write> ProgramWriter<W> {
         axes.map(|value| read_back(value, self.control.decimals()))
     }
 
-    fn word_error(&self, place: Place, word: impl Into<String>) -> WriteError {
-        WriteError::Word { place, word: word.into(), control: self.control }
+    /// Checks that the control has `word`.
+    fn check_word(&self, place: Place, word: String) -> Result<(), WriteError> {
+        let control = self.control;
+        let reason = control.refusal(&word);
+        reason.map_or(Ok(()), |reason| Err(WriteError::Word { place, word, control, reason }))
     }
 
     /// A rapid or a cut.
@@ -235,9 +239,7 @@ impl<W: Write> ProgramWriter<W> {
         let number = u8::from(element.kind != ElementKind::Rapid);
         let mut block = Block::new(place, self.control);
         if let Some(probing) = probing {
-            if !self.control.has_probing() {
-                return Err(self.word_error(place, probing.to_string()));
-            }
+            self.check_word(place, probing.to_string())?;
             block.push(&probing.to_string());
         } else if self.motion != Some(number) {
             block.push(&format!("G{number}"));
@@ -266,8 +268,8 @@ impl<W: Write> ProgramWriter<W> {
             if !changes && !forced.contains(&index) {
                 continue;
             }
-            if index > 2 && !self.control.has_rotary_axes() {
-                return Err(self.word_error(element.place, format!("the axis {letter}")));
+            if index > 2 && self.control != Control::GrblHal {
+                self.check_word(element.place, letter.to_string())?;
             }
             *slot = block.number(letter, value, decimals)?;
         }
@@ -325,7 +327,7 @@ impl<W: Write> ProgramWriter<W> {
         if !self.control.takes_radii(arc.radius() * 1e3, arc.end_radius() * 1e3) {
             return self.lines(element);
         }
-        if turns <= 1.0 + 1e-9 || self.control.has_turns() {
+        if turns <= 1.0 + 1e-9 || self.control.refusal("arc with P").is_none() {
             return self.arc(element, arc);
         }
         let length = element.length();
@@ -421,9 +423,8 @@ impl<W: Write> ProgramWriter<W> {
         number: u16,
         parameters: MParameters,
     ) -> Result<(), WriteError> {
-        if !self.control.has_m(number) {
-            return Err(self.word_error(place, format!("M{number}")));
-        }
+        let word = format!("M{number}");
+        self.check_word(place, word.clone())?;
         let MParameters { mut k, l, o } = parameters;
         let is_fanuc = self.control == Control::Fanuc;
         let letters = match number {
@@ -446,7 +447,7 @@ impl<W: Write> ProgramWriter<W> {
             _ => {}
         }
         let mut block = Block::new(place, self.control);
-        block.push(&format!("M{number}"));
+        block.push(&word);
         for ((value, letter), parameter) in [k, l].into_iter().zip(letters).zip(['K', 'L']) {
             let Some(value) = value else { continue };
             let letter = letter.ok_or(WriteError::Parameter { place, number, parameter })?;

@@ -1,0 +1,144 @@
+//! Controls that a program can be meant for (`--for`), and what they do not take as LinuxCNC does.
+
+mod table;
+mod words;
+
+pub(super) use table::row;
+pub use table::{CONTROL_WORDS, Cell, ControlWord, Reading};
+pub(super) use words::{check, forgive};
+
+use std::fmt;
+
+/// A control whose dialect of RS274 is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Control {
+    /// LinuxCNC 2.9.
+    LinuxCnc,
+    /// grbl 1.1.
+    Grbl,
+    /// grblHAL.
+    GrblHal,
+    /// FluidNC 3.
+    FluidNc,
+    /// Fanuc's milling controls, series 0i to 31i.
+    Fanuc,
+    /// Mach3 Mill.
+    Mach3,
+    /// CoDeSys SoftMotion 2.3, in its dialect of DIN 66025.
+    SoftMotion,
+}
+
+impl Control {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::LinuxCnc,
+        Self::Grbl,
+        Self::GrblHal,
+        Self::FluidNc,
+        Self::Fanuc,
+        Self::Mach3,
+        Self::SoftMotion,
+    ];
+
+    /// Its name on the command line and in machine files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LinuxCnc => "linuxcnc",
+            Self::Grbl => "grbl",
+            Self::GrblHal => "grblhal",
+            Self::FluidNc => "fluidnc",
+            Self::Fanuc => "fanuc",
+            Self::Mach3 => "mach3",
+            Self::SoftMotion => "softmotion",
+        }
+    }
+}
+
+/// Numbers that a control reads differently, and the decoder with it.
+impl Control {
+    /// The number of a G word as LinuxCNC has it.
+    pub(super) fn g_number(self, number: f64) -> f64 {
+        match (self, number) {
+            (Self::Mach3, 70.0 | 71.0) => number - 50.0,
+            _ => number,
+        }
+    }
+
+    /// P of a dwell, s.
+    pub(super) fn seconds(self, p: f64) -> f64 {
+        if self == Self::Fanuc { p * 1e-3 } else { p }
+    }
+
+    /// Program and number of calls of M98 P.
+    pub(super) fn calls(self, (program, count): (u32, u32), has_l: bool) -> (u32, u32) {
+        if self == Self::Fanuc && program > 9999 && !has_l {
+            (program % 10_000, program / 10_000)
+        } else {
+            (program, count)
+        }
+    }
+}
+
+/// The name as its makers write it.
+impl fmt::Display for Control {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::LinuxCnc => "LinuxCNC",
+            Self::Grbl => "grbl",
+            Self::GrblHal => "grblHAL",
+            Self::FluidNc => "FluidNC",
+            Self::Fanuc => "Fanuc",
+            Self::Mach3 => "Mach3",
+            Self::SoftMotion => "SoftMotion",
+        })
+    }
+}
+
+/// Something that a control does not take as LinuxCNC does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControlFinding {
+    /// The control.
+    pub control: Control,
+    /// The word, or what it is.
+    pub word: String,
+    /// What the control does.
+    pub cell: Cell,
+    /// How to write it for this control; empty if unknown.
+    pub rewrite: &'static str,
+}
+
+impl ControlFinding {
+    /// What to do about it.
+    pub(super) fn hint(&self) -> Option<String> {
+        match (self.rewrite, self.control) {
+            ("", _) => None,
+            (ControlWord::PATH, Control::SoftMotion) => Some(
+                "`twin path PROGRAM --for softmotion --format din66025` writes it without this word"
+                    .to_owned(),
+            ),
+            (ControlWord::PATH, control) => Some(format!(
+                "`twin path PROGRAM --for {} --format rs274` writes it without this word",
+                control.name()
+            )),
+            (rewrite, _) => Some(rewrite.to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for ControlFinding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { control, word, cell, .. } = self;
+        let probably = if cell.certain { "" } else { "probably " };
+        match (cell.reading, cell.reason) {
+            (Reading::Different | Reading::Same | Reading::Followed, reason) => {
+                write!(f, "{control} {probably}reads {word} differently: {reason}")
+            }
+            (Reading::PassedOver, "") => write!(f, "{control} {probably}passes over {word}"),
+            (Reading::PassedOver, reason) => {
+                write!(f, "{control} {probably}passes over {word}: {reason}")
+            }
+            (Reading::Refused, "") => write!(f, "{control} {probably}refuses {word}"),
+            (Reading::Refused, reason) => write!(f, "{control} {probably}refuses {word}: {reason}"),
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Tests of what controls do with words that they do not take as LinuxCNC does.
+
+use super::*;
+use crate::decode::TextError;
+use crate::rs274::{CONTROL_WORDS, Control, Reading};
+use std::collections::BTreeSet;
+
+/// Errors and warnings of a program for `control`.
+fn findings(control: Control, program: &str) -> (Vec<String>, Vec<String>) {
+    let options = DecoderOptions { control: Some(control), ..DecoderOptions::default() };
+    let decoded = decode_with(options, program.as_bytes());
+    let texts = |all: &[Diagnostic]| all.iter().map(ToString::to_string).collect();
+    (texts(&decoded.errors), texts(&decoded.warnings))
+}
+
+#[test]
+fn every_row_is_read() {
+    let text = include_str!("../control/words.tsv");
+    assert_eq!(CONTROL_WORDS.len(), text.lines().count() - 1);
+    let words: BTreeSet<_> = CONTROL_WORDS.iter().map(|row| row.word).collect();
+    assert_eq!(words.len(), CONTROL_WORDS.len(), "one is twice in it");
+    let cells = text.lines().skip(1).flat_map(|line| line.split('\t').skip(1).take(7));
+    let unknown = cells.filter(|cell| *cell == "?").count();
+    let known = CONTROL_WORDS.iter().flat_map(|row| row.cells).flatten().count();
+    assert_eq!(known + unknown, 7 * CONTROL_WORDS.len());
+    for row in CONTROL_WORDS.iter() {
+        for cell in row.cells.into_iter().flatten() {
+            let silent = matches!(cell.reading, Reading::Different | Reading::Followed);
+            assert!(!(silent && cell.reason.is_empty()), "{row:?}");
+        }
+    }
+}
+
+/// Each word of the table that is not one of LinuxCNC's letters, G and M words is found in this program.
+#[test]
+fn every_word_is_found() {
+    let program = "%\nO100 (number)\nN99999999 G21 ; comment\n/G0 X1\nG2 X3 I1 K4 F100\nG2 X9 R-4\nG2 I1 P2\nG18 G2 X1 Z1 R3\nG19 G2 Y1 Z1 R3\nG17 G4 P.5\nG10 L1 P1 R1\nG10 L2 P1 X0\nG10 L2 P7 R0\nG10 L10 P1\nG10 L11 P1\nG10 L20 P2\nG81 X1 Z-1 R2 L2\nM3 M8 S100\nM10\n#1=[1+2]\n#<x>=1\n@1^2 G0\no1 sub\no1 endsub\no2 if [1]\no2 endif\no3 while [0]\no3 endwhile\n%\n";
+    let found: BTreeSet<String> = Control::ALL
+        .into_iter()
+        .flat_map(|control| {
+            let options = DecoderOptions { control: Some(control), ..DecoderOptions::default() };
+            let decoded = decode_with(options, program.as_bytes());
+            decoded.errors.into_iter().chain(decoded.warnings)
+        })
+        .filter_map(|diagnostic| of_control(&diagnostic.error))
+        .collect();
+    let is_code = |word: &str| {
+        let mut bytes = word.bytes();
+        matches!(bytes.next(), Some(b'A'..=b'Z' | b'$'))
+            && bytes.all(|it| it.is_ascii_digit() || matches!(it, b'.' | b'-' | b'G' | b'M'))
+    };
+    let taken_by_all = [
+        "other G words",
+        "other M words",
+        "block without N",
+        "program without an end",
+        "motion without any F",
+        "coordinates before any motion word",
+    ];
+    for row in
+        CONTROL_WORDS.iter().filter(|row| !is_code(row.word) && !taken_by_all.contains(&row.word))
+    {
+        assert!(found.contains(row.word), "{} is not found; {found:?}", row.word);
+    }
+}
+
+fn of_control(error: &crate::rs274::DecodeError) -> Option<String> {
+    match error {
+        crate::rs274::DecodeError::OfControl(finding) => Some(finding.word.clone()),
+        crate::rs274::DecodeError::Repeated { error, .. } => of_control(error),
+        _ => None,
+    }
+}
+
+#[test]
+fn grbl() {
+    let (errors, warnings) =
+        findings(Control::Grbl, "G21\nG0 X1\nG81 X2 Z-1 R1 F60\nX3\nM6 T1\nM1\n");
+    assert_eq!(errors, ["line 3: grbl refuses G81", "line 5: grbl refuses M6: error 20",]);
+    // It needs no end.
+    assert_eq!(warnings, ["line 6: grbl passes over M1: optional stops"]);
+    let options = DecoderOptions { control: Some(Control::Grbl), ..DecoderOptions::default() };
+    let decoded = decode_with(options, b"F60 G81 X2 Z-1 R1\nM2");
+    assert_eq!(
+        decoded.errors[0].error.hint().unwrap(),
+        "`twin path PROGRAM --for grbl --format rs274` writes it without this word"
+    );
+}
+
+/// What LinuxCNC refuses others take, and the other way round.
+#[test]
+fn leniency_is_that_of_the_control() {
+    for (control, program, errors, warnings) in [
+        (Control::LinuxCnc, "G0 X1", 1, 0),
+        (Control::Grbl, "G0 X1", 0, 0),
+        (Control::Fanuc, "G0 X1.", 1, 1),
+        (Control::Grbl, "G1 X1\nM2", 1, 0),
+        (Control::LinuxCnc, "X1\nM2", 1, 0),
+        (Control::Grbl, "X1\nM2", 0, 1),
+        (Control::Mach3, "M10\nM2", 0, 1),
+        (Control::Grbl, "M10\nM2", 1, 0),
+    ] {
+        let found = findings(control, program);
+        assert_eq!(
+            (found.0.len(), found.1.len()),
+            (errors, warnings),
+            "{control} {program} {found:?}"
+        );
+    }
+}
+
+/// The path is that of the control where its numbers mean something else.
+#[test]
+fn numbers_that_mean_something_else() {
+    let decode_for = |control, program: &str| {
+        let options = DecoderOptions { control: Some(control), ..DecoderOptions::default() };
+        decode_with(options, program.as_bytes()).elements
+    };
+    let dwell = |control| decode_for(control, "G4 P500\nM2")[0].kind;
+    assert_eq!(dwell(Control::Fanuc), ElementKind::Dwell { time_ns: 500_000_000 });
+    assert_eq!(dwell(Control::Grbl), ElementKind::Dwell { time_ns: 500_000_000_000 });
+    assert_eq!(ends(&decode_for(Control::Mach3, "G70 G0 X1\nG71 X2\nM2")), "25.4 0 0 | 2 0 0");
+    let program = "G91\nM98 P30200\nM2\nO200\nG0 X1\nM99\n";
+    assert_eq!(ends(&decode_for(Control::Fanuc, program)), "1 0 0 | 2 0 0 | 3 0 0");
+}
