@@ -120,6 +120,7 @@ mod thread;
 mod tool_table;
 mod travel;
 mod word;
+mod write;
 
 pub use control::{CONTROL_WORDS, Cell, Control, ControlFinding, ControlWord, Reading};
 pub use cycle::MAX_CYCLE_MOVES;
@@ -137,3 +138,4 @@ pub use refeed::refeed;
 pub use settings::OffsetError;
 pub use spline::{MAX_CONTROL_POINTS, TOLERANCE as SPLINE_TOLERANCE};
 pub use tool_table::{Tool, ToolTable, ToolTableError};
+pub use write::{ProgramWriter, WriteError, WriteOptions};

@@ -427,11 +427,14 @@ impl State {
         self.path_end = Some(Position { linear: shape.end().into(), ..*end });
         let mut details = None;
         let parameters = parameters.filter(|parameters| *parameters != MParameters::default());
-        if self.extra || parameters.is_some() {
+        let spindle = self.spindle_along();
+        if self.extra || parameters.is_some() || spindle.is_some() {
             let extra = ExtraAxes { start: start.extra_axes(), end: end.extra_axes() };
             details = Some(Box::new(Details {
                 extra: self.extra.then_some(extra),
                 parameters: parameters.unwrap_or_default(),
+                spindle,
+                third_is_u: self.shared == Some(Letter::U),
                 ..Details::default()
             }));
         }

@@ -3,6 +3,7 @@
 mod table;
 mod words;
 
+pub(super) use table::row;
 pub use table::{CONTROL_WORDS, Cell, ControlWord, Reading};
 pub(super) use words::{check, forgive};
 
