@@ -162,7 +162,6 @@ fn m_functions() {
     assert_round_trip(None, program);
     for (control, program, message) in [
         (Control::Grbl, "M7", "line 1: a program for grbl cannot contain M7"),
-        (Control::Grbl, "\nT1 M6", "line 2: a program for grbl cannot contain M6"),
         (Control::GrblHal, "M19", "line 1: a program for grblHAL cannot contain M19"),
         (Control::FluidNc, "M60", "line 1: a program for FluidNC cannot contain M60"),
         (Control::FluidNc, "M66 P0 L3 Q1", "line 1: a program for FluidNC cannot contain M66"),
@@ -173,7 +172,7 @@ fn m_functions() {
         (Control::Mach3, "F1 G38.2 X1", "line 1: a program for Mach3 cannot contain G38.2"),
         (Control::Grbl, "G0 X1 B2", "line 1: a program for grbl cannot contain B"),
         (Control::LinuxCnc, "M47", "line 1: a program for LinuxCNC cannot contain M47"),
-        (Control::LinuxCnc, "G0 X1 U2", "line 1: RS274 cannot express the axes U, V and W"),
+        (Control::LinuxCnc, "G0 X1 U2", "line 1: cannot be written as RS274: the axes U, V and W"),
     ] {
         let error = write_for(control, &with_speeds(program)).unwrap_err().to_string();
         assert!(error.starts_with(message), "{error}");
@@ -463,4 +462,37 @@ fn planes() {
             }
         }
     }
+}
+
+/// A control refuses nothing of what is written for it.
+#[test]
+fn nothing_is_refused_of_the_corpus() {
+    let Some(corpus) = corpus::corpus() else { return };
+    let mut counts = [0; Control::ALL.len()];
+    for (name, ..) in corpus::programs("within") {
+        let program = fs::read(corpus.join(name)).unwrap();
+        let options = DecoderOptions { keep_spindle: true, ..DecoderOptions::default() };
+        let path = decode_with(options, &program).elements;
+        for (control, count) in Control::ALL.into_iter().zip(&mut counts) {
+            let Ok(text) = write_for(control, &path) else { continue };
+            let options = DecoderOptions { control: Some(control), ..DecoderOptions::default() };
+            let decoded = decode_with(options, text.as_bytes());
+            // Axes that an option of the firmware adds.
+            let refused = decoded.errors.iter().find(|one| {
+                let text = one.to_string();
+                !(control == Control::GrblHal && text.contains("N_AXIS"))
+            });
+            assert!(refused.is_none(), "{name} for {control}: {refused:?}");
+            *count += 1;
+        }
+    }
+    // LinuxCNC, grbl, grblHAL, FluidNC, Fanuc, Mach3, SoftMotion.
+    assert!(counts.iter().take(6).all(|count| *count > 25), "{counts:?}");
+    assert_eq!(counts[6], 0);
+}
+
+/// Who has no M6 changes tools at a stop.
+#[test]
+fn tools_are_changed_by_hand() {
+    assert_eq!(rewritten(Control::Grbl, "T2 M6\nG0 X1\nM2"), "M0 (tool 2)\nG0 X1\n");
 }

@@ -14,7 +14,10 @@ pub enum WriteError {
     #[error("SoftMotion reads its dialect of DIN 66025 only: use --format din66025")]
     SoftMotion,
     /// A word that the control does not have.
-    #[error("{place}: a program for {control} cannot contain {word}{}", in_brackets(reason))]
+    #[error(
+        "{place}: a program for {control} cannot contain {word}{}: leave it out",
+        in_brackets(reason)
+    )]
     Word {
         /// The element's block.
         place: Place,
@@ -36,7 +39,7 @@ pub enum WriteError {
         parameter: char,
     },
     /// Something that moves, arcs and M functions of RS274 cannot express.
-    #[error("{place}: RS274 cannot express {what}")]
+    #[error("{place}: cannot be written as RS274: {what}")]
     Inexpressible {
         /// The element's block.
         place: Place,
