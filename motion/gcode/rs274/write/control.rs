@@ -1,7 +1,6 @@
 //! Words of the controls, besides those of the table.
 //!
-//! Feeds: `planner.c` of grblHAL and FluidNC, and Fanuc's operator's manual of the series 15i (parameter HTG). Radii:
-//! `gcode.c` of grbl 1.1.
+//! Feeds: `planner.c` of grblHAL and FluidNC, and Fanuc's operator's manual of the series 15i (parameter HTG).
 
 use crate::rs274::control::{Control, Reading, row};
 
@@ -35,14 +34,5 @@ impl Control {
         let is_macro = self == Self::Mach3 && number.is_some_and(|it| it >= 100);
         let refused = cell.reading == Reading::Refused || (is_other && !is_macro);
         refused.then_some(cell.reason)
-    }
-
-    /// True if it takes an arc with these radii at its ends, mm, that LinuxCNC takes in a program in mm.
-    pub(super) fn takes_radii(self, radius: f64, end_radius: f64) -> bool {
-        // grbl's rule, the strictest one that is known.
-        let difference = (radius - end_radius).abs();
-        self == Self::LinuxCnc
-            || difference <= 0.005
-            || (difference <= 0.5 && difference <= 1e-3 * radius)
     }
 }
