@@ -1,4 +1,4 @@
-//! Number parser of all dialects: `[+-]digits[.digits]`, without exponent (E is a word).
+//! Numbers of all dialects, read and written: `[+-]digits[.digits]`, without exponent (E is a word).
 
 /// Powers of ten that are exact.
 const POWERS: [f64; 16] =
@@ -38,6 +38,28 @@ pub(crate) fn parse(text: &[u8]) -> Option<f64> {
         _ => std::str::from_utf8(digits).ok()?.parse().ok()?,
     };
     Some(if negative { -magnitude } else { magnitude })
+}
+
+/// Decimals that give back a number as it was.
+pub(crate) const ALL_DECIMALS: usize = 16;
+
+/// `value` with up to `decimals` decimals, without zeros at the end.
+pub(crate) fn text(value: f64, decimals: usize) -> String {
+    let text = if decimals >= ALL_DECIMALS {
+        // The shortest that reads back as the same; it has no exponent.
+        format!("{value}")
+    } else {
+        format!("{value:.decimals$}")
+    };
+    let text =
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+/// The written `value` as a decoder reads it.
+pub(crate) fn read_back(value: f64, decimals: usize) -> f64 {
+    // Values that are not finite are refused when written.
+    parse(text(value, decimals).as_bytes()).unwrap_or(value)
 }
 
 #[cfg(test)]

@@ -89,6 +89,8 @@ pub enum Chords {
     /// Successive lines of one curve differ by less than this angle, rad. Transitions stop unless the angle tolerance
     /// is above it.
     Angle(f64),
+    /// Lines are at most this far from their curve, m, but for curves that wind between them.
+    Deviation(f64),
 }
 
 /// Splines and ellipses as lines (manual 3.3), arcs too if asked for. The ends of the lines are on the curve; extra axes
@@ -136,6 +138,7 @@ impl<I> Linearise<I> {
                 Chords::Length(most) => (to - from) * length > most * (1.0 + 1e-9),
                 // A chord points somewhere between the tangents along it, so half the angle each is enough.
                 Chords::Angle(most) => turning(curve, from * length, to * length) >= most / 2.0,
+                Chords::Deviation(most) => deviation(curve, from * length, to * length) > most,
             };
             if too_much && depth < MAX_DEPTH {
                 let middle = from.midpoint(to);
@@ -166,7 +169,7 @@ impl<I> Linearise<I> {
                     index -= 1.0;
                 }
             }
-            Chords::Length(_) | Chords::Angle(_) => {
+            _ => {
                 self.left.push(Part { from: 0.0, to: 1.0, depth });
             }
         }
@@ -203,10 +206,25 @@ where
     }
 }
 
+/// Parts of an element at which it is looked at.
+const STEPS: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
+
+/// Largest distance of `element` between two path lengths from the line between their points, m, at a few steps.
+fn deviation(element: &PathElement, from: f64, to: f64) -> f64 {
+    let at = |part: f64| element.at(from + (to - from) * part).position;
+    let (start, chord) = (at(0.0), at(1.0) - at(0.0));
+    let direction = chord.try_normalize(0.0).unwrap_or_default();
+    let distances = STEPS.iter().map(|part| {
+        let offset = at(*part) - start;
+        let along = direction.dot(&offset).clamp(0.0, chord.norm());
+        (offset - direction * along).norm()
+    });
+    distances.fold(0.0, f64::max)
+}
+
 /// Turn of the tangent of `element` between two path lengths, rad: the sum over a few steps, so that turns there and
 /// back count twice.
 fn turning(element: &PathElement, from: f64, to: f64) -> f64 {
-    const STEPS: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
     let tangent = |part: f64| element.at(from + (to - from) * part).tangent;
     let angle = |a: Vector3<f64>, b: Vector3<f64>| a.cross(&b).norm().atan2(a.dot(&b));
     let mut before = tangent(0.0);

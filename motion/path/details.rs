@@ -23,6 +23,19 @@ pub struct Details {
     pub switches: Switches,
     /// Parameters of an M function.
     pub parameters: MParameters,
+    /// The spindle along the element, if the decoder is to keep it.
+    pub spindle: Option<Spindle>,
+    /// The third extra axis is U of RS274, in mm, not C.
+    pub third_is_u: bool,
+}
+
+/// The spindle along an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spindle {
+    /// Speed S in force, whether or not it turns, revolutions per minute.
+    pub speed: f64,
+    /// The angle of the spindle leads the tool (threads).
+    pub synchronized: bool,
 }
 
 impl Details {

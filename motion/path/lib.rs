@@ -48,8 +48,8 @@ pub use arc::Arc;
 pub use bounds::Bounds;
 pub use cubic::{Cubic, cardinal_tangent, end_tangent};
 pub use details::{
-    AxisMask, Details, EXTRA_AXES, ExtraAxes, ExtraPosition, MAX_SWITCHES, MParameters, Switch,
-    Switches,
+    AxisMask, Details, EXTRA_AXES, ExtraAxes, ExtraPosition, MAX_SWITCHES, MParameters, Spindle,
+    Switch, Switches,
 };
 pub use disc::PathDisc;
 pub use ellipse::{Ellipse, EllipseError};

@@ -29,10 +29,12 @@ pub(super) enum About {
 /// says: two blocks of a line say two things. Later ones that agree in this only raise its value and lower its feed.
 type Key = (u32, Rule, Option<About>, Option<usize>, Option<String>);
 
-/// Findings, bounded in number. Each severity has room of its own, so that no number of warnings hides an error.
+/// Findings, bounded in number. Each severity has room of its own, so that no number of warnings hides an error, and so have
+/// findings about axes and parts, so that they hide nothing that is wrong with the text.
 #[derive(Debug, Default)]
 pub(super) struct Findings {
-    kept: BTreeMap<Severity, BTreeMap<Key, Finding>>,
+    /// By severity, and whether they are about axes or parts.
+    kept: BTreeMap<(Severity, bool), BTreeMap<Key, Finding>>,
     left_out: u64,
     /// The worst error that is not kept.
     worst_left_out: Option<Finding>,
@@ -47,7 +49,7 @@ impl Findings {
         let is_statement = severity == Severity::Note && about.is_none() && finding.value.is_none();
         let said = is_statement.then(|| finding.message.clone());
         let key = (finding.line, finding.rule, about, column, said);
-        let kept = self.kept.entry(severity).or_default();
+        let kept = self.kept.entry((severity, about.is_some())).or_default();
         if let Some(kept) = kept.get_mut(&key) {
             // A feed is small enough if it is so wherever the finding was made.
             let feeds = kept.largest_feed_mm_per_s.zip(finding.largest_feed_mm_per_s);
@@ -98,13 +100,13 @@ impl Findings {
         AxisFindings { findings: self, about: About::Axis(index), axis }
     }
 
-    /// True if another finding of this severity would be kept.
+    /// True if another finding of this severity about an axis would be kept.
     pub(super) fn has_room(&self, severity: Severity) -> bool {
-        self.kept.get(&severity).is_none_or(|kept| kept.len() < MAX_FINDINGS)
+        self.kept.get(&(severity, true)).is_none_or(|kept| kept.len() < MAX_FINDINGS)
     }
 
     pub(super) fn any_error(&self) -> bool {
-        self.kept.contains_key(&Severity::Error)
+        [true, false].iter().any(|about| self.kept.contains_key(&(Severity::Error, *about)))
     }
 
     /// All that were kept, the worst error at the end if it is not among them, and how many others were not kept.
@@ -145,7 +147,8 @@ impl AxisFindings<'_> {
         limit: f64,
     ) -> bool {
         let Findings { kept, worst_left_out, .. } = &*self.findings;
-        let Some(kept) = kept.get(&severity).filter(|kept| kept.len() == MAX_FINDINGS) else {
+        let kept = kept.get(&(severity, true)).filter(|kept| kept.len() == MAX_FINDINGS);
+        let Some(kept) = kept else {
             return false;
         };
         let key = (place.line, rule, Some(self.about), None, None);

@@ -3,7 +3,7 @@
 use super::block::{Block, Letter};
 use super::control;
 use super::error::{DecodeError, Failure, Item, Problem};
-use super::flow::{Control, Effect, Flow, FlowError, Keyword};
+use super::flow::{Effect, Flow, FlowError, Keyword, Statement};
 use super::leniency::Leniency;
 use super::lexer::{self, Lexer};
 use super::options::{DecoderOptions, PathMode, Position};
@@ -218,16 +218,15 @@ impl<R: BufRead> Decoder<R> {
             self.pass_over(at, begin);
             return;
         }
-        let control = lexer::lex(line, begin, &self.state, &mut self.block, &mut self.problems);
+        let flow = lexer::lex(line, begin, &self.state, &mut self.block, &mut self.problems);
         self.out.place.block = self.block.number;
         if let Some(meant) = self.state.control.filter(|_| self.problems.is_empty()) {
-            let keyword = control.as_ref().map(|(_, keyword, _)| *keyword);
+            let keyword = flow.as_ref().map(|(_, keyword, _)| *keyword);
             control::check(meant, line, &self.block, keyword, &self.state, &mut self.out);
         }
-        if let Some((label, keyword, values)) = control {
-            let control = Lexer::new(line, values, &self.state).control(label, keyword);
-            match control {
-                Ok(control) => self.control(control, at),
+        if let Some((label, keyword, values)) = flow {
+            match Lexer::new(line, values, &self.state).statement(label, keyword) {
+                Ok(statement) => self.follow(statement, at),
                 Err(problem) => self.problems.push(problem),
             }
         }
@@ -307,12 +306,12 @@ impl<R: BufRead> Decoder<R> {
     }
 
     /// Carries out a line of flow control.
-    fn control(&mut self, control: Control, at: Spot) {
-        if control.keyword == Keyword::Program && !self.under_way {
-            self.program_number = control.label.text().parse().ok();
+    fn follow(&mut self, statement: Statement, at: Spot) {
+        if statement.keyword == Keyword::Program && !self.under_way {
+            self.program_number = statement.label.text().parse().ok();
         }
         (self.begun, self.under_way) = (true, true);
-        match self.flow.execute(control, at) {
+        match self.flow.execute(statement, at) {
             Ok(effect) => self.apply(effect),
             Err(error) => {
                 self.ended = matches!(error, FlowError::Endless(_) | FlowError::TooDeep(_));
@@ -346,11 +345,11 @@ impl<R: BufRead> Decoder<R> {
         self.out.place.block = self.block.number;
         let decided = self.flow.is_decided(&label, keyword);
         match if decided {
-            Ok(Control::untested(label, keyword))
+            Ok(Statement::untested(label, keyword))
         } else {
-            lexer.control(label, keyword)
+            lexer.statement(label, keyword)
         } {
-            Ok(control) => self.control(control, at),
+            Ok(statement) => self.follow(statement, at),
             Err(Problem { columns, error }) => self.out.error(columns, error),
         }
     }

@@ -121,6 +121,7 @@ mod tool_table;
 mod travel;
 mod word;
 mod work_frame;
+mod write;
 
 pub use control::{CONTROL_WORDS, Cell, Control, ControlFinding, ControlWord, Reading};
 pub use cycle::MAX_CYCLE_MOVES;
@@ -138,3 +139,4 @@ pub use refeed::refeed;
 pub use settings::OffsetError;
 pub use spline::{MAX_CONTROL_POINTS, TOLERANCE as SPLINE_TOLERANCE};
 pub use tool_table::{Tool, ToolTable, ToolTableError};
+pub use write::{ProgramWriter, WriteError, WriteOptions};

@@ -102,6 +102,7 @@ pub enum PathMode {
 
 /// Options of a decoder: the values that LinuxCNC keeps in its parameter and machine files.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "options, each on or off")]
 pub struct DecoderOptions {
     /// Position of the machine at the beginning, work frame.
     pub start: Position,
@@ -150,6 +151,8 @@ pub struct DecoderOptions {
     /// Moves that go nowhere are elements too, as in LinuxCNC's interpreter; else they are left out, as its planner
     /// does, but for probing moves, of which it says how they ended. The path stops at elements of length zero.
     pub keep_empty_moves: bool,
+    /// Elements carry the speed S ([`twin_path::Details::spindle`]), for [`super::ProgramWriter`].
+    pub keep_spindle: bool,
 }
 
 impl Default for DecoderOptions {
@@ -177,6 +180,7 @@ impl Default for DecoderOptions {
             control: None,
             strict: false,
             keep_empty_moves: true,
+            keep_spindle: false,
         }
     }
 }

@@ -8,7 +8,7 @@ use super::output::Output;
 use super::state::{MAX_SPEED, State};
 use super::word::{FeedMode, Motion};
 use std::f64::consts::TAU;
-use twin_path::{ElementKind, MParameters};
+use twin_path::{ElementKind, MParameters, Spindle};
 
 /// Constant surface speed (G96).
 #[derive(Clone, Copy, Debug)]
@@ -90,6 +90,13 @@ impl State {
             }
             _ => speed,
         }
+    }
+
+    /// The spindle along the element that ends here, if elements carry it; with G96 the speed is that of its end.
+    pub(super) fn spindle_along(&self) -> Option<Spindle> {
+        let speed = self.speed.filter(|_| self.keep_spindle);
+        let speed = speed.map(|_| self.speed_at(self.location.program[0]))?;
+        speed.is_finite().then_some(Spindle { speed, synchronized: self.synchronized })
     }
 
     /// Lowest speed of the spindle on the straight line to `to`, revolutions per minute.

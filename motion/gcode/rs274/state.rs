@@ -49,6 +49,9 @@ pub(super) struct State {
     pub(super) acceleration: f64,
     pub(super) deceleration: f64,
     pub(super) keep_empty_moves: bool,
+    pub(super) keep_spindle: bool,
+    /// The move at hand follows the angle of the spindle.
+    pub(super) synchronized: bool,
     /// Refuses what LinuxCNC refuses.
     pub(super) strict: bool,
     /// The control that the program is meant for.
@@ -124,6 +127,8 @@ impl State {
             acceleration: options.acceleration,
             deceleration: options.deceleration,
             keep_empty_moves: options.keep_empty_moves,
+            keep_spindle: options.keep_spindle,
+            synchronized: false,
             strict: options.strict,
             control: options.control,
             assumes_tools: options.tools.is_none(),

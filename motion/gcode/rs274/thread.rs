@@ -147,7 +147,9 @@ impl State {
             );
         }
         let shape = self.line_to(&to);
+        self.synchronized = true;
         self.go(ElementKind::Cut, shape, self.units.to_metres(feed) / 60.0, to, out);
+        self.synchronized = false;
         Ok(())
     }
 

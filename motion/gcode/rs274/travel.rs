@@ -2,6 +2,7 @@
 
 use super::arc::Ends;
 use super::block::{Block, Letter, Letters};
+use super::control;
 use super::error::{DecodeError, Problem};
 use super::leniency::Leniency;
 use super::offsets::Location;
@@ -124,14 +125,32 @@ impl State {
         self.check_exit(false)?;
         let to = self.target(block, self.relative)?;
         match self.arc(clockwise, block, &to, out) {
-            Ok(shape) if self.is_compensated() => self.compensate_arc(&shape, block, to, out),
-            Ok(shape) => self.cut(shape, to, block.get(Letter::F), out),
+            Ok(shape) => self.follow_arc(shape, block, to, out),
             Err(problem) => {
                 // The blocks after it continue where it was to end.
                 self.interrupt_compensation(out);
                 self.location = to;
                 Err(problem)
             }
+        }
+    }
+
+    fn follow_arc(
+        &mut self,
+        shape: Shape,
+        block: &Block,
+        to: Location,
+        out: &mut Output,
+    ) -> Result<(), Problem> {
+        if let (Some(control), Shape::Arc(arc)) = (self.control, &shape)
+            && !control.takes_radii(arc.radius() * 1e3, arc.end_radius() * 1e3)
+        {
+            control::unequal_radii(control, out);
+        }
+        if self.is_compensated() {
+            self.compensate_arc(&shape, block, to, out)
+        } else {
+            self.cut(shape, to, block.get(Letter::F), out)
         }
     }
 
@@ -437,11 +456,14 @@ impl State {
         self.path_end = Some(Position { linear: shape.end().into(), ..*end });
         let mut details = None;
         let parameters = parameters.filter(|parameters| *parameters != MParameters::default());
-        if self.extra || parameters.is_some() {
+        let spindle = self.spindle_along();
+        if self.extra || parameters.is_some() || spindle.is_some() {
             let extra = ExtraAxes { start: start.extra_axes(), end: end.extra_axes() };
             details = Some(Box::new(Details {
                 extra: self.extra.then_some(extra),
                 parameters: parameters.unwrap_or_default(),
+                spindle,
+                third_is_u: self.shared == Some(Letter::U),
                 ..Details::default()
             }));
         }

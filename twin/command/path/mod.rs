@@ -24,6 +24,7 @@ use output::Writer;
 use setpoints::SetpointOptions;
 use std::io;
 use std::path::{Path, PathBuf};
+use twin_gcode::rs274::Control;
 use twin_kinematics::WorkFrame;
 use twin_machine::{Machine, ProgramConditions};
 
@@ -39,6 +40,7 @@ use twin_machine::{Machine, ProgramConditions};
 ///   twin path part.dxf --order nearest --safe-height 5 --cut-height -1 --output part.cnc
 ///   twin path part.cnc --rotate 90 --translate 100,0 --output turned.cnc
 ///   twin path program.ngc --linearise 0.5 --arcs --output program.cnc
+///   twin path part.cnc --prepare --format rs274 --output part.nc
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Arguments {
@@ -81,6 +83,8 @@ enum Format {
     Jsonl,
     /// A program in SoftMotion's dialect of DIN 66025 (.cnc)
     Din66025,
+    /// A program in RS274, in mm, with canned cycles, loops and expressions carried out (.ngc .nc .tap .gcode)
+    Rs274,
     /// A drawing: rapids on the layer RAPID, cuts on the layer CUT (.dxf)
     Dxf,
     /// Top view of the path (.svg); --prepare adds the path before preparation and a cross every 100 ms
@@ -102,6 +106,7 @@ impl Format {
         Some(match &*ending {
             "jsonl" => Self::Jsonl,
             "cnc" => Self::Din66025,
+            "ngc" | "nc" | "tap" | "gcode" => Self::Rs274,
             "dxf" => Self::Dxf,
             "svg" => Self::Svg,
             _ => return None,
@@ -113,6 +118,7 @@ impl Format {
         match self {
             Self::Jsonl | Self::Setpoints => "jsonl",
             Self::Din66025 => "cnc",
+            Self::Rs274 => "ngc",
             Self::Dxf => "dxf",
             Self::Svg => "svg",
             Self::Info | Self::Viewer | Self::Listing => "txt",
@@ -132,7 +138,7 @@ impl Arguments {
             None => Ok(Format::Jsonl),
             Some(path) => Format::of(path).ok_or_else(|| {
                 Failure::Usage(format!(
-                    "the ending of {} is none of .jsonl .cnc .dxf .svg; say --format",
+                    "the ending of {} is none of .jsonl .cnc .ngc .nc .tap .gcode .dxf .svg; say --format",
                     path.display()
                 ))
             }),
@@ -148,6 +154,8 @@ struct Job<'a> {
     conditions: &'a ProgramConditions,
     frame: WorkFrame,
     prepare: bool,
+    /// The control that reads the program that is written.
+    control: Option<Control>,
     setpoints: &'a SetpointOptions,
     findings: Vec<Finding>,
     left_out: u64,
@@ -164,6 +172,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     settings.operations = arguments.operations.operations()?;
     let frame = machine.as_ref().map_or_else(WorkFrame::identity, |machine| machine.frame);
     let format = arguments.chosen_format()?;
+    let mut control = None;
+    if format == Format::Rs274 {
+        // It reads what is written, not the source.
+        control = settings.control.take().or(conditions.rs274.control);
+        (conditions.rs274.control, conditions.rs274.keep_spindle) = (None, true);
+    }
 
     let source = &arguments.program;
     let (programs, notes) = if drawing::is_drawing(source, arguments.read.dialect)? {
@@ -202,6 +216,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             conditions: &conditions,
             frame,
             prepare: arguments.preparation.prepare,
+            control,
             setpoints: &arguments.setpoints,
             findings: Vec::new(),
             left_out: 0,
@@ -250,7 +265,7 @@ impl Job<'_> {
             Format::Listing => return info::listing(self, out),
             Format::Svg => return svg::picture(self, out),
             Format::Setpoints => return setpoints::write(self, self.setpoints, out),
-            Format::Jsonl | Format::Din66025 | Format::Dxf => {}
+            Format::Jsonl | Format::Din66025 | Format::Rs274 | Format::Dxf => {}
         }
         let mut writer = Writer::new(format, self, out)?;
         self.each(|element| writer.write(&element))?;

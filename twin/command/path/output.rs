@@ -4,6 +4,7 @@ use super::{Format, Job, jsonl};
 use crate::command::Failure;
 use std::io::{self, Write};
 use twin_gcode::din66025::{ProgramWriter, WriteError};
+use twin_gcode::rs274;
 use twin_kinematics::WorkFrame;
 use twin_path::PathElement;
 use twin_path::dxf::{DxfWriteError, DxfWriter};
@@ -14,6 +15,7 @@ type Out<'a> = &'a mut dyn Write;
 pub(super) enum Writer<'a> {
     Jsonl { out: Out<'a>, frame: WorkFrame },
     Din66025(Box<ProgramWriter<Out<'a>>>),
+    Rs274(Box<rs274::ProgramWriter<Out<'a>>>),
     Dxf(Box<DxfWriter<Out<'a>>>),
 }
 
@@ -23,6 +25,11 @@ impl<'a> Writer<'a> {
         Ok(match format {
             Format::Din66025 => {
                 Self::Din66025(Box::new(ProgramWriter::new(out, Some(job.name)).map_err(said)?))
+            }
+            Format::Rs274 => {
+                let options = rs274::WriteOptions { control: job.control, ..Default::default() };
+                let writer = rs274::ProgramWriter::new(out, options).map_err(cannot_express)?;
+                Self::Rs274(Box::new(writer))
             }
             Format::Dxf => {
                 Self::Dxf(Box::new(DxfWriter::new(out).map_err(|error| match error {
@@ -45,6 +52,7 @@ impl<'a> Writer<'a> {
                 jsonl::write(*out, frame, element).map_err(Failure::Stdio)
             }
             Self::Din66025(writer) => writer.write(element).map_err(said),
+            Self::Rs274(writer) => writer.write(element).map_err(cannot_express),
             Self::Dxf(writer) => writer.write(element).map_err(Failure::Stdio),
         }
     }
@@ -53,6 +61,7 @@ impl<'a> Writer<'a> {
         match self {
             Self::Jsonl { .. } => Ok(()),
             Self::Din66025(writer) => writer.finish().map(|_| ()).map_err(said),
+            Self::Rs274(writer) => writer.finish().map(|_| ()).map_err(cannot_express),
             Self::Dxf(writer) => writer.finish().map(|_| ()).map_err(Failure::Stdio),
         }
     }
@@ -65,6 +74,14 @@ fn said(error: WriteError) -> Failure {
         WriteError::UprightArc(_) | WriteError::Curve(_) | WriteError::Cubic(_) => {
             Failure::Usage(format!("{error} (--linearise MM --arcs)"))
         }
+        error => Failure::Usage(error.to_string()),
+    }
+}
+
+/// What a program of RS274 cannot express.
+fn cannot_express(error: rs274::WriteError) -> Failure {
+    match error {
+        rs274::WriteError::Io(source) => Failure::Stdio(source),
         error => Failure::Usage(error.to_string()),
     }
 }

@@ -1,10 +1,10 @@
 //! Writer of one element: its G command and the words that describe its curve.
 
-use super::words::read_back;
 use super::{TOLERANCE, WriteError};
 use crate::din66025::arc;
 use crate::din66025::emit::joins;
 use crate::din66025::word::Letter;
+use crate::number::read_back;
 use nalgebra::{Point2, Point3, Vector2};
 use twin_path::{
     Arc, Cubic, ElementKind, Ellipse, PathElement, Plane, Shape, cardinal_tangent, end_tangent,

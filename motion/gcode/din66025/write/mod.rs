@@ -7,11 +7,12 @@ mod words;
 pub use error::WriteError;
 
 use super::word::Letter;
+use crate::number::{ALL_DECIMALS, read_back};
 use curve::{Curve, Spline};
 use nalgebra::Point3;
 use std::io::Write;
 use twin_path::{AxisMask, ElementKind, ExtraPosition, MParameters, Marks, PathElement};
-use words::{ALL_DECIMALS, DECIMALS, Words, read_back};
+use words::{DECIMALS, Words};
 
 /// Largest deviation of a program from its path, m (and u).
 const TOLERANCE: f64 = 1e-9;

@@ -1,35 +1,13 @@
 //! Words of a block under construction, with their decimals.
 
 use super::WriteError;
-use crate::din66025::number;
 use crate::din66025::word::Letter;
+use crate::number::{self, ALL_DECIMALS, text};
 use std::fmt::Write as _;
 use twin_path::Place;
 
 /// Decimals that numbers are written with when they will do.
 pub(super) const DECIMALS: usize = 9;
-/// Decimals that give back the number as it was.
-pub(super) const ALL_DECIMALS: usize = 16;
-
-/// `value` with up to `decimals` decimals, without zeros at the end.
-fn text(value: f64, decimals: usize) -> String {
-    let text = if decimals >= ALL_DECIMALS {
-        // The shortest that reads back as the same; it has no exponent.
-        format!("{value}")
-    } else {
-        format!("{value:.decimals$}")
-    };
-    let text =
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
-/// The written `value` as the decoder reads it.
-pub(super) fn read_back(value: f64, decimals: usize) -> f64 {
-    // Values that are not finite are refused when written.
-    number::parse(text(value, decimals).as_bytes()).unwrap_or(value)
-}
-
 /// The words of a block behind its N word.
 #[derive(Clone, Debug)]
 pub(super) struct Words {

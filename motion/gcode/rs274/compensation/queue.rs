@@ -48,7 +48,8 @@ pub(super) struct Move {
 
 #[derive(Clone, Copy, Debug)]
 enum Item {
-    Move(Move),
+    /// With the speed S of its block.
+    Move(Move, Option<f64>),
     /// A dwell or an M function.
     Wait(ElementKind, MParameters),
 }
@@ -81,11 +82,11 @@ impl Queue {
         self.last
     }
 
-    pub(super) fn push(&mut self, place: Place, next: Move) {
+    pub(super) fn push(&mut self, place: Place, next: Move, speed: Option<f64>) {
         if self.items.is_empty() {
             self.last = Some((place, next));
         }
-        self.items.push((place, Item::Move(next)));
+        self.items.push((place, Item::Move(next, speed)));
     }
 
     /// Checks that all moves can end at `end` instead: several if the tool goes up and down in the corner.
@@ -102,7 +103,7 @@ impl Queue {
             LengthUnit::Inch => 0.001,
         };
         for (place, item) in &mut self.items {
-            let Item::Move(one) = item else { continue };
+            let Item::Move(one, _) = item else { continue };
             let fits = match one.curve {
                 Curve::Line { direction } => {
                     self.start.is_none_or(|start| direction.dot(&(end - start)) >= 0.0)
@@ -168,13 +169,16 @@ impl State {
         if self.compensation.queue.len() == 0 {
             return;
         }
-        let (programmed, place) = (self.location, out.place);
+        let (programmed, place, speed) = (self.location, out.place, self.speed);
         let mut items = std::mem::take(&mut self.compensation.queue.items);
         let (frame, shift) = (self.compensation.queue.frame, self.compensation.queue.shift);
         for (place, item) in items.drain(..) {
             out.place = place;
             let one = match item {
-                Item::Move(one) => one,
+                Item::Move(one, speed) => {
+                    self.speed = speed;
+                    one
+                }
                 Item::Wait(kind, parameters) => {
                     self.stand(kind, parameters, out);
                     continue;
@@ -189,7 +193,7 @@ impl State {
         }
         // Its memory serves the next ones.
         self.compensation.queue.items = items;
-        (self.location, out.place) = (programmed, place);
+        (self.location, out.place, self.speed) = (programmed, place, speed);
     }
 }
 

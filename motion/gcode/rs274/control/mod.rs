@@ -3,8 +3,9 @@
 mod table;
 mod words;
 
+pub(super) use table::row;
 pub use table::{CONTROL_WORDS, Cell, ControlWord, Reading};
-pub(super) use words::{check, forgive};
+pub(super) use words::{check, forgive, unequal_radii};
 
 use std::fmt;
 
@@ -60,6 +61,17 @@ impl Control {
         match (self, number) {
             (Self::Mach3, 70.0 | 71.0) => number - 50.0,
             _ => number,
+        }
+    }
+
+    /// True if it takes an arc with these radii at its ends, mm, that LinuxCNC takes in a program in mm.
+    pub(in crate::rs274) fn takes_radii(self, radius: f64, end_radius: f64) -> bool {
+        let difference = (radius - end_radius).abs();
+        match self {
+            Self::LinuxCnc => true,
+            Self::Mach3 => difference <= 0.002,
+            // Others have grbl's rule, or a looser one.
+            _ => difference <= 0.005 || (difference <= 0.5 && difference <= 1e-3 * radius),
         }
     }
 

@@ -98,7 +98,7 @@ static BY_WORD: LazyLock<HashMap<String, &'static ControlWord>> = LazyLock::new(
 });
 
 /// The row of a word.
-pub(super) fn row(word: &str) -> Option<&'static ControlWord> {
+pub(in crate::rs274) fn row(word: &str) -> Option<&'static ControlWord> {
     BY_WORD.get(word).copied()
 }
 

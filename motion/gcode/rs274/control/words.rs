@@ -43,6 +43,11 @@ pub(in crate::rs274) fn forgive(
     }
 }
 
+/// Reports an arc that ends at another distance from its centre than it begins.
+pub(in crate::rs274) fn unequal_radii(control: Control, out: &mut Output) {
+    report(control, "arc with unequal radii", None, None, out);
+}
+
 /// Looks for words of a line that `control` does not take as LinuxCNC does.
 pub(in crate::rs274) fn check(
     control: Control,

@@ -76,7 +76,7 @@ impl Keyword {
 
 /// Meaning of a line of flow control, its values computed.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::rs274) struct Control {
+pub(in crate::rs274) struct Statement {
     pub(in crate::rs274) label: Label,
     pub(in crate::rs274) keyword: Keyword,
     /// Condition, repetitions or value of the subroutine.
@@ -85,7 +85,7 @@ pub(in crate::rs274) struct Control {
     pub(super) arguments: Option<Locals>,
 }
 
-impl Control {
+impl Statement {
     /// A line without values, or with a condition that does not matter.
     pub(in crate::rs274) fn untested(label: Label, keyword: Keyword) -> Self {
         Self { label, keyword, value: None, arguments: None }
@@ -113,26 +113,26 @@ impl Lexer<'_> {
     }
 
     /// Values behind a keyword.
-    pub(in crate::rs274) fn control(
+    pub(in crate::rs274) fn statement(
         &mut self,
         label: Label,
         keyword: Keyword,
-    ) -> Result<Control, Problem> {
+    ) -> Result<Statement, Problem> {
         use Keyword::{Call, ElseIf, EndSub, If, Repeat, Return, While};
         let start = self.at;
-        let mut control = Control::untested(label, keyword);
+        let mut statement = Statement::untested(label, keyword);
         match keyword {
             While | Repeat | If | ElseIf | EndSub | Return if self.peek() == Some(b'[') => {
-                control.value = Some(self.expression()?);
+                statement.value = Some(self.expression()?);
             }
             While | Repeat | If | ElseIf => {
                 return Err(self.since(start, FlowError::MissingValue(keyword.name())));
             }
-            Call => control.arguments = Some(self.arguments()?),
+            Call => statement.arguments = Some(self.arguments()?),
             _ => {}
         }
         self.only_comments()?;
-        Ok(control)
+        Ok(statement)
     }
 
     /// Arguments of a call, with comments between them.

@@ -23,7 +23,7 @@ use Keyword::{
 use std::collections::HashMap;
 
 pub use error::FlowError;
-pub(super) use label::{Control, Keyword, Label};
+pub(super) use label::{Keyword, Label, Statement};
 
 /// Limits of what a program may repeat, so that an endless one ends with an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,8 +198,8 @@ impl Flow {
     ///
     /// # Errors
     /// [`FlowError`]; the line has no effect then.
-    pub(super) fn execute(&mut self, control: Control, at: Spot) -> Result<Effect, FlowError> {
-        let Control { label, keyword, value, arguments } = control;
+    pub(super) fn execute(&mut self, statement: Statement, at: Spot) -> Result<Effect, FlowError> {
+        let Statement { label, keyword, value, arguments } = statement;
         let is_true = value.is_some_and(|value| value != 0.0);
         match keyword {
             Sub | Program => return self.define(label, keyword, at),

@@ -34,7 +34,7 @@ fn every_row_is_read() {
 /// Each word of the table that is not one of LinuxCNC's letters, G and M words is found in this program.
 #[test]
 fn every_word_is_found() {
-    let program = "%\nO100 (number)\nN99999999 G21 ; comment\n/G0 X1\nG2 X3 I1 K4 F100\nG2 X9 R-4\nG2 I1 P2\nG18 G2 X1 Z1 R3\nG19 G2 Y1 Z1 R3\nG17 G4 P.5\nG10 L1 P1 R1\nG10 L2 P1 X0\nG10 L2 P7 R0\nG10 L10 P1\nG10 L11 P1\nG10 L20 P2\nG81 X1 Z-1 R2 L2\nM3 M8 S100\nM10\n#1=[1+2]\n#<x>=1\n@1^2 G0\no1 sub\no1 endsub\no2 if [1]\no2 endif\no3 while [0]\no3 endwhile\n%\n";
+    let program = "%\nO100 (number)\nN99999999 G21 ; comment\n/G0 X1\nG2 X3 I1 K4 F100\nG2 X9 R-4\nG0 X0 Y0\nG2 X10 I5.01\nG2 I1 P2\nG18 G2 X1 Z1 R3\nG19 G2 Y1 Z1 R3\nG17 G4 P.5\nG10 L1 P1 R1\nG10 L2 P1 X0\nG10 L2 P7 R0\nG10 L10 P1\nG10 L11 P1\nG10 L20 P2\nG81 X1 Z-1 R2 L2\nM3 M8 S100\nM10\n#1=[1+2]\n#<x>=1\n@1^2 G0\no1 sub\no1 endsub\no2 if [1]\no2 endif\no3 while [0]\no3 endwhile\n%\n";
     let found: BTreeSet<String> = Control::ALL
         .into_iter()
         .flat_map(|control| {

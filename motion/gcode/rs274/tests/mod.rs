@@ -24,6 +24,7 @@ mod splines;
 mod tools;
 mod unsupported;
 mod words;
+mod write;
 
 use super::block::Letter;
 use super::{Decoder, DecoderOptions, Diagnostic, Failure, Item, Position};

@@ -35,10 +35,10 @@ const G55: [f64; 9] = [100.0, 200.0, -30.0, 15.0, 0.0, 0.0, 0.0, 40.0, -5.0];
 
 /// What LinuxCNC makes of a program.
 #[derive(Debug)]
-struct Verdict {
-    moves: Vec<Move>,
+pub(super) struct Verdict {
+    pub(super) moves: Vec<Move>,
     /// Where and why it stopped, if not at the end.
-    stopped: Option<(u64, String)>,
+    pub(super) stopped: Option<(u64, String)>,
 }
 
 fn position([x, y, z, a, b, c, u, v, w]: [f64; 9]) -> Position {
@@ -65,7 +65,7 @@ fn options() -> DecoderOptions {
 }
 
 /// True if the interpreter can be run.
-fn is_installed() -> bool {
+pub(super) fn is_installed() -> bool {
     let found = Command::new(PYTHON).args(["-c", "import gcode"]).output();
     let found = found.is_ok_and(|output| output.status.success());
     if !found {
@@ -75,7 +75,7 @@ fn is_installed() -> bool {
 }
 
 /// Runs LinuxCNC's interpreter over `programs`, with `arguments` of the script.
-fn linuxcnc(programs: &[String], arguments: &[&str]) -> Vec<Verdict> {
+pub(super) fn linuxcnc(programs: &[String], arguments: &[&str]) -> Vec<Verdict> {
     let folder = env::temp_dir().join(format!("twin-oracle-{:?}", thread::current().id()));
     fs::create_dir_all(&folder).unwrap();
     let tools =
