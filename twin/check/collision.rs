@@ -2,7 +2,10 @@
 
 use super::findings::{About, Findings};
 use super::messages;
+use crate::m_function::MCall;
+use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::AxisSetpoint;
+use twin_gcode::rs274::{Tool, ToolTable};
 use twin_machine::{Machine, SimulationError};
 use twin_path::Place;
 use twin_physics::{Clearance, ClearanceScan, Part};
@@ -74,6 +77,10 @@ pub struct Clearances {
 #[derive(Debug)]
 pub(super) struct Way {
     scan: ClearanceScan,
+    /// The tools of the program.
+    tools: ToolTable,
+    /// The last M function.
+    last_call: Option<u64>,
     /// Clearances below this are reported, m.
     wanted: f64,
     /// What a probe has touched and not come away from.
@@ -84,18 +91,44 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// The collision check of `machine`; `None` if the machine file has none.
-    pub(super) fn new(machine: &Machine) -> Result<Option<Self>, SimulationError> {
-        let scan = machine.clearance_scan();
-        let scan = scan.map_err(|error| SimulationError::of(machine, error))?;
+    /// The collision check of `machine` along `program`; `None` if the machine file has none.
+    pub(super) fn new(
+        machine: &Machine,
+        program: &ProgramFile,
+    ) -> Result<Option<Self>, SimulationError> {
+        let tools = (program.dialect() == Dialect::Rs274)
+            .then(|| program.rs274_options(&machine.conditions).tools);
+        let tools = tools.flatten().unwrap_or_default();
+        let scan = scan_with(machine, tools.get(machine.conditions.rs274.tool))?;
         let wanted = machine.collision.as_ref().map_or(0.0, |collision| collision.clearance);
         Ok(scan.map(|scan| Self {
             scan,
+            tools,
+            last_call: None,
             wanted,
             touched: None,
             near: Vec::new(),
             found: Clearances::default(),
         }))
+    }
+
+    /// Observes the M function at which the path waits: M6 and M61 put tool K into the spindle.
+    pub(super) fn observe(
+        &mut self,
+        machine: &Machine,
+        call: &MCall,
+    ) -> Result<(), SimulationError> {
+        let is_next = self.last_call.replace(call.index) != Some(call.index);
+        let Some(number) = call.parameters.k else { return Ok(()) };
+        if !is_next || !matches!(call.number, 6 | 61) || self.tools.as_slice().is_empty() {
+            return Ok(());
+        }
+        let is_it = |tool: &&Tool| (f64::from(tool.number) - number).abs() < 0.5;
+        let tool = self.tools.as_slice().iter().find(is_it);
+        if let Some(scan) = scan_with(machine, tool)? {
+            self.scan = scan;
+        }
+        Ok(())
     }
 
     /// Smallest clearance at a set-point; `None` where the links have no pose, which is another finding.
@@ -142,4 +175,16 @@ impl Way {
     pub(super) fn into_found(self) -> Clearances {
         self.found
     }
+}
+
+/// The scan of `machine` with `tool` in the spindle, or with that of the machine file.
+fn scan_with(
+    machine: &Machine,
+    tool: Option<&Tool>,
+) -> Result<Option<ClearanceScan>, SimulationError> {
+    let scan = match tool {
+        Some(tool) => machine.clearance_scan_with(tool),
+        None => machine.clearance_scan(),
+    };
+    scan.map_err(|error| SimulationError::of(machine, error))
 }

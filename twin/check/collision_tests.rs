@@ -5,16 +5,37 @@ use crate::finding::{Finding, Rule, Severity};
 use crate::limit::Limits;
 use crate::program::settings::ReadSettings;
 use crate::program::{Dialect, ProgramFile};
-use std::path::Path;
 use twin_machine::Machine;
 
 /// Jaws with their tops at Z−10, the fixed one from Y−20 to Y0, stock from Z−30 to Z0; a tool of 6 mm, a holder 35 mm above its tip.
 const VICE: &str = include_str!("../../machines/gantry3_vice.toml");
 
+/// Tools: thin, thick, long, longer.
+const TOOLS: &str = "\
+[[tools]]
+number = 1
+diameter_mm = 3
+[[tools]]
+number = 2
+diameter_mm = 16
+[[tools]]
+number = 3
+length_mm = 20
+[[tools]]
+number = 4
+length_mm = 60
+";
+
+/// `machine` with these tools.
+fn with_tools(machine: &str) -> String {
+    machine.replace("[rs274]\n", "[rs274]\ntool_table = \"tools.toml\"\n")
+}
+
 fn checked(machine: &str, program: &str, physics: bool) -> Outcome {
-    let machine = Machine::parse(Path::new("machine.toml"), machine)
-        .unwrap_or_else(|problems| panic!("{problems:#?}"));
     let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tools.toml"), TOOLS).unwrap();
+    let machine = Machine::parse(&folder.path().join("machine.toml"), machine)
+        .unwrap_or_else(|problems| panic!("{problems:#?}"));
     let path = folder.path().join("program.ngc");
     std::fs::write(&path, program).unwrap();
     let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
@@ -102,4 +123,56 @@ fn a_machine_may_start_in_something() {
         assert_eq!(notes.len(), usize::from(physics), "{outcome:#?}");
         assert!(notes.iter().all(|note| note.message.starts_with("not simulated: ")));
     }
+}
+
+/// The tool 6 mm in front of the fixed jaw, whose top is 5 mm above the tip.
+#[test]
+fn the_tool_in_the_spindle_counts() {
+    let down = "G1 Z-15 F600\nG0 Z30\n";
+    let program = format!("G0 X50 Y-26\nT1 M6\n{down}T2 M6\n{down}M61 Q1\n{down}M2\n");
+    let outcome = checked(&with_tools(VICE), &program, false);
+    let hits = collisions(&outcome, Severity::Error);
+    let lines: Vec<_> = hits.iter().map(|hit| hit.line).collect();
+    assert_eq!(lines, [6, 7], "{outcome:#?}");
+    assert!(hits[0].message.starts_with("the tool is 2.000 mm deep in fixed jaw"), "{hits:?}");
+    assert!(collisions(&outcome, Severity::Warning).is_empty(), "{outcome:#?}");
+    let least = |line: u32| {
+        let blocks = outcome.clearances.blocks.iter();
+        let of_line = blocks.filter(|block| block.place.line == line);
+        of_line.map(|block| block.nearest.distance).fold(f64::INFINITY, f64::min)
+    };
+    for (line, distance) in [(3, 4.5e-3), (6, -2e-3), (9, 4.5e-3)] {
+        assert!((least(line) - distance).abs() < 1e-9, "line {line}: {} m", least(line));
+    }
+    // From the beginning, where nothing changes it.
+    let thick = with_tools(VICE).replace("[rs274]\n", "[rs274]\ntool = 2\n");
+    let outcome = checked(&thick, &format!("G0 X50 Y-26\n{down}M2\n"), false);
+    assert_eq!(collisions(&outcome, Severity::Error)[0].line, 2, "{outcome:#?}");
+    // Of tools that are not in the table, the machine file has the only dimensions.
+    let outcome = checked(VICE, &program, false);
+    assert!(outcome.findings.is_empty(), "{outcome:#?}");
+}
+
+/// The jaw's top is at Z−10. The tip of tool 3 is 20 mm below the controlled point, also before G43 makes up for it.
+#[test]
+fn a_long_tool_reaches_lower() {
+    let down = "G0 X50 Y-10\nG1 Z8 F600\nG0 Z30\nM2\n";
+    let outcome = checked(&with_tools(VICE), &format!("T3 M6\n{down}"), false);
+    let hits = collisions(&outcome, Severity::Error);
+    assert_eq!(hits[0].line, 3, "{outcome:#?}");
+    assert!(hits[0].message.starts_with("the tool is 2.000 mm deep in fixed jaw"), "{hits:?}");
+    let outcome = checked(&with_tools(VICE), &format!("T3 M6 G43\n{down}"), false);
+    assert!(outcome.findings.is_empty(), "{outcome:#?}");
+    let least = outcome.clearances.blocks.iter().find(|block| block.place.line == 3).unwrap();
+    assert!((least.nearest.distance - 18e-3).abs() < 1e-6, "{least:?}");
+}
+
+/// The table of a generated gantry is a picture just below the lowest tip of the machine file.
+#[test]
+fn a_long_tool_does_not_touch_the_generated_table() {
+    let portal = include_str!("../../machines/gantry3.toml");
+    let machine = with_tools(portal).replace("length_mm = 40.0", "length_mm = 0.0");
+    let machine = format!("{machine}\n[collision]\nclearance_mm = 1.0\n");
+    let outcome = checked(&machine, "T4 M6\nG1 X50 Y20 Z-59 F600\nM2\n", false);
+    assert!(collisions(&outcome, Severity::Error).is_empty(), "{outcome:#?}");
 }

@@ -188,7 +188,7 @@ fn checked(
     }
     checker.continue_from(continues);
     let mut rehearsal = physics.then(|| Rehearsal::new(machine, scenario));
-    let mut way = Way::new(machine)?;
+    let mut way = Way::new(machine, program)?;
     let rules = Acknowledgement::for_check(machine, acknowledge);
     let mut items = Planning::new(machine, program, limits, rules)?;
     let every_cycle = rehearsal.is_some() || way.is_some() || following.is_some();
@@ -204,7 +204,10 @@ fn checked(
                     continue;
                 }
                 m_calls.extend(tool.m_function);
-                items.m_call().iter().for_each(|call| m_functions.observe(call));
+                if let Some(call) = items.m_call() {
+                    m_functions.observe(&call);
+                    way.as_mut().map_or(Ok(()), |way| way.observe(machine, &call))?;
+                }
                 checker.tool(&tool)
             }
             PlanItem::Bridging(instant) => checker.bridging(&instant),

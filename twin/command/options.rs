@@ -15,9 +15,8 @@ use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use twin_gcode::din66025::{DEFAULT_JUMPS, Variables};
-use twin_gcode::rs274::{Control, FlowLimits, LengthUnit, ToolTable, ToolTableError};
-use twin_machine::text::Text;
-use twin_machine::{Machine, Scenario, limited_read, tool_table_problem};
+use twin_gcode::rs274::{Control, FlowLimits, LengthUnit, ToolTable};
+use twin_machine::{Machine, Scenario, ToolTableFileError, limited_read, load_tool_table};
 use twin_planner::controller::XDirection;
 use twin_planner::controller::{DEFAULT_WINDOW, Inputs, Override, VelocityMode};
 
@@ -181,9 +180,9 @@ pub(super) struct ReadOptions {
     #[arg(long, value_name = "DIR")]
     subroutines: Vec<PathBuf>,
 
-    /// Tool table of an RS274 program (LinuxCNC's format, lengths in the machine file's unit), in place of the machine
-    /// file's
-    #[arg(long, value_name = "FILE.tbl")]
+    /// Tool table of an RS274 program, in place of the machine file's: TOML (`.toml`), or LinuxCNC's format with lengths in the
+    /// machine file's unit
+    #[arg(long, value_name = "FILE")]
     tool_table: Option<PathBuf>,
 
     /// Path elements that the planner knows in advance (size of the queue): with too few, short elements do not reach their feed
@@ -458,9 +457,10 @@ fn controls() -> impl TypedValueParser<Value = Control> {
 }
 
 fn tools(path: &Path, unit: LengthUnit) -> Result<ToolTable, Failure> {
-    let table = Text::open(path).map_err(ToolTableError::Io);
-    let table = table.and_then(|table| ToolTable::read(table, unit));
-    table.map_err(|error| Failure::Usage(tool_table_problem(path, &error)))
+    load_tool_table(path, unit).map_err(|error| match error {
+        ToolTableFileError::Toml(error) => Failure::Machine(error),
+        error @ ToolTableFileError::Lines { .. } => Failure::Usage(error.to_string()),
+    })
 }
 
 /// Refuses jobs where an option or command is about paths.

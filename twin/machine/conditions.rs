@@ -4,12 +4,10 @@ use crate::approach::{self, ApproachRule};
 use crate::axis_pace::{ACCELERATION, Along, AxisPace, RAPID_VELOCITY};
 use crate::section::Section;
 use crate::text::Text;
+use crate::tool_table;
 use std::path::Path;
 use std::sync::Arc;
-use twin_gcode::rs274::{
-    self, Control, LengthUnit, ParameterFile, ParameterFileError, Position, ToolTable,
-    ToolTableError,
-};
+use twin_gcode::rs274::{self, Control, LengthUnit, ParameterFile, ParameterFileError, Position};
 use twin_path::ExtraPosition;
 use twin_path::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
 
@@ -37,7 +35,7 @@ pub struct ProgramConditions {
     pub stops: bool,
     /// Further inputs of preparation.
     pub preparation: PreparationInputs,
-    /// Initial conditions of an RS274 program, in the work frame; its start is that above.
+    /// Initial conditions of an RS274 program, in the work frame but for G28 and G30; its start is that above.
     pub rs274: rs274::DecoderOptions,
     /// Limits of the axes for what an RS274 program leaves open; none without a machine.
     pub pace: Option<(Arc<AxisPace>, Along)>,
@@ -193,16 +191,7 @@ fn read_rs274(
     let offsets = section.section("work_offsets_mm");
     let work_offsets = SYSTEMS.map(|system| place(&offsets, system));
     offsets.finish();
-    let tools = section.text("tool_table").and_then(|name| {
-        let path = file.parent().unwrap_or_else(|| Path::new("")).join(name);
-        let table = Text::open(&path)
-            .map_err(ToolTableError::Io)
-            .and_then(|table| ToolTable::read(table, units));
-        if let Err(error) = &table {
-            section.complain_at("tool_table", tool_table_problem(&path, error));
-        }
-        table.ok()
-    });
+    let tools = tool_table::read(section, file, units);
     let parameters = section.text("parameter_file").and_then(|name| {
         let path = file.parent().unwrap_or_else(|| Path::new("")).join(name);
         let read = Text::open(&path).map_err(ParameterFileError::Io).and_then(ParameterFile::read);
@@ -238,12 +227,4 @@ fn read_rs274(
     };
     section.check_unknown();
     options
-}
-
-/// Message about a tool table, with its file and the reason.
-pub fn tool_table_problem(path: &Path, error: &ToolTableError) -> String {
-    match error {
-        ToolTableError::Io(source) => format!("{}: {source}", path.display()),
-        error => format!("{}: {error}", path.display()),
-    }
 }

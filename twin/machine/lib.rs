@@ -50,13 +50,14 @@ pub mod tappets;
 #[cfg(test)]
 mod tests;
 mod tool;
+mod tool_table;
 
 use crate::section::FileKind;
 pub use approach::{ApproachOrder, ApproachRule};
 pub use axis::Axis;
 pub use axis_drive::{AxisDrive, Switches};
 pub use axis_pace::{Along, AxisPace};
-pub use conditions::{PreparationInputs, ProgramConditions, tool_table_problem};
+pub use conditions::{PreparationInputs, ProgramConditions};
 pub use counting::{Counting, IncrementRatio};
 pub use couplings::{CamAxis, CamSelection, CoupledBy, Coupling, read_cam, read_ratio};
 pub use direction::DirectionRule;
@@ -71,6 +72,7 @@ pub use simulated::{
 };
 pub use simulation_error::SimulationError;
 pub use surroundings::Collision;
+pub use tool_table::{ToolTableFileError, load_tool_table, parse_tool_table};
 pub use twin_files::{limited_read, text};
 
 use crate::section::{KeyUse, MachineFileError, Problem, Section};
@@ -80,7 +82,7 @@ use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tool::Tool;
+use tool::{Mount, Tool};
 use twin_drives::MAX_DRIVE_AXES;
 use twin_drives::family::Family;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
@@ -112,6 +114,8 @@ pub struct Machine {
     pub axes: Vec<Axis>,
     /// Links and joints, for physics and pictures.
     pub model: Model,
+    /// Where its tools are.
+    mount: Mount,
     /// Deviations of the model from the URDF that the file names.
     pub urdf_warnings: Vec<UrdfWarning>,
     /// Warnings about the file or its URDF: parts that are perhaps not meant as written.
@@ -184,6 +188,7 @@ impl Machine {
 
     fn completed(self, text: &str) -> Self {
         let mut machine = Self { dimensions: dimensions(text), ..self };
+        machine.conditions.rs274.work_frame = *machine.frame.machine_from_work();
         machine.conditions.rs274.surroundings = around::surroundings(&machine);
         machine.conditions.pace = Some((Arc::new(AxisPace::of(&machine)), Along::Weakest));
         machine
@@ -329,6 +334,7 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
         dimensions: toml::Table::new(),
         kinematics: Arc::new(geometry.kinematics),
         model: geometry.model,
+        mount: geometry.mount,
         direction: geometry.direction,
         length_scale: geometry.length_scale,
         frame: frame?,

@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::Arc;
+use twin_gcode::rs274::Tool;
 use twin_kinematics::WorkFrame;
 use twin_physics::{ClearanceScan, Obstacle, ObstacleKind, Part, PhysicsError, Surroundings};
 use twin_urdf::{Mesh, Model, Solid, SolidShape};
@@ -206,6 +207,19 @@ impl Machine {
     pub fn clearance_scan(&self) -> Result<Option<ClearanceScan>, PhysicsError> {
         let Some(collision) = &self.collision else { return Ok(None) };
         let scan = ClearanceScan::new(&self.model, self.axes.len(), &collision.surroundings)?;
+        Ok(Some(scan).filter(|scan| !scan.is_empty()))
+    }
+
+    /// The same with `tool` of a tool table in the spindle, which the generated table of a machine does not stop.
+    ///
+    /// # Errors
+    /// [`PhysicsError`].
+    pub fn clearance_scan_with(&self, tool: &Tool) -> Result<Option<ClearanceScan>, PhysicsError> {
+        let Some(collision) = &self.collision else { return Ok(None) };
+        let Some((model, surroundings)) = self.with_tool(tool, &collision.surroundings) else {
+            return self.clearance_scan();
+        };
+        let scan = ClearanceScan::new(&model, self.axes.len(), &surroundings)?;
         Ok(Some(scan).filter(|scan| !scan.is_empty()))
     }
 

@@ -1,9 +1,12 @@
 //! `[tool]`: tip, mass and shape of the tool.
 
+use crate::Machine;
 use crate::section::Section;
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 use std::ops::RangeInclusive;
-use twin_urdf::ToolShape;
+use twin_gcode::rs274;
+use twin_physics::{Part, Surroundings};
+use twin_urdf::{Model, ToolShape};
 
 /// Of bodies, mm.
 const SIZE_MM: RangeInclusive<f64> = 1e-3..=10_000.0;
@@ -48,5 +51,47 @@ impl Tool {
             holder: holder_diameter.zip(holder_length).map(|(a, b)| [a * 1e-3, b * 1e-3]),
         };
         Self { tip: Vector3::new(x, y, -length) * 1e-3, mass, shape }
+    }
+}
+
+/// Place of the tools of a tool table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mount {
+    /// The flange in the link where the tip is, m.
+    pub(super) flange: Isometry3<f64>,
+    /// As [`Tool::tip`] of the machine file.
+    pub(super) tip: Vector3<f64>,
+    /// True if link 0 has a generated table just below the lowest place of that tip.
+    pub(super) has_table: bool,
+}
+
+impl Machine {
+    /// Links and surroundings with `tool` of a tool table in the spindle: a round body from the flange to its tip, which is below the
+    /// controlled point by the tool's offset. Without a diameter or length those of the machine file count. `None` if that leaves the tool
+    /// as it is, or if that is not round.
+    pub(super) fn with_tool(
+        &self,
+        tool: &rs274::Tool,
+        surroundings: &Surroundings,
+    ) -> Option<(Model, Surroundings)> {
+        let Mount { flange, tip: before, has_table } = self.mount;
+        let mut tip = before - Vector3::from(tool.offset);
+        if tip.z >= 0.0 {
+            // It would end above the flange: its length counts from somewhere else.
+            tip = before;
+        }
+        let diameter = Some(tool.diameter.abs()).filter(|diameter| *diameter > 0.0);
+        let is_round = before.z >= 0.0 || self.model.tool_diameter().is_some();
+        if !is_round || tip.z >= 0.0 || (tip == before && diameter.is_none()) {
+            return None;
+        }
+        let mut model = self.model.clone();
+        model.change_tool(&flange, &tip, diameter);
+        let mut surroundings = Surroundings { has_tool: true, ..surroundings.clone() };
+        if has_table && tip.z < before.z {
+            // The table is a picture, which the machine has only as low as it is needed.
+            surroundings.left_out.push([Part::Tool, Part::Link(0)]);
+        }
+        Some((model, surroundings))
     }
 }

@@ -40,8 +40,7 @@ impl Model {
     ) -> Result<(), DimensionError> {
         Tool::check(tip, mass)?;
         let length = 0.0 - tip.z;
-        let tool =
-            Tool { tip: *tip, radius: (length / 10.0).clamp(1e-3, 8e-3), mass, blade: false };
+        let tool = Tool { tip: *tip, radius: slender(length), mass, blade: false };
         self.tip.point = link_from_flange * Point3::from(*tip);
         let Some(link) = self.links.get_mut(self.tip.link) else { return Ok(()) };
         let solids: Vec<_> =
@@ -89,6 +88,17 @@ impl Model {
     }
 }
 
+/// The middle of a cylinder's lower end, m.
+fn end_of(solid: &Solid) -> Option<Point3<f64>> {
+    let SolidShape::Cylinder { length, .. } = solid.shape else { return None };
+    Some(solid.origin * Point3::new(0.0, 0.0, -0.5 * length))
+}
+
+/// Radius of a tool of which only the length (m) is known, m.
+fn slender(length: f64) -> f64 {
+    (length / 10.0).clamp(1e-3, 8e-3)
+}
+
 /// Dimensions of a tool and its holder.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToolShape {
@@ -108,13 +118,37 @@ impl Model {
     pub fn tool_diameter(&self) -> Option<f64> {
         let solids = self.links.get(self.tip.link)?.solids.iter();
         let mut ends = solids.filter_map(|solid| match solid.shape {
-            SolidShape::Cylinder { radius, length } => {
-                let end = solid.origin * Point3::new(0.0, 0.0, -0.5 * length);
+            SolidShape::Cylinder { radius, .. } => {
+                let end = end_of(solid)?;
                 ((end - self.tip.point).norm() <= ROUNDING).then_some(2.0 * radius)
             }
             _ => None,
         });
         ends.next()
+    }
+
+    /// Replaces the round tool, or adds one: `tip` (m) from the flange in the frame of the flange, whose place in the link where the tip
+    /// is is `link_from_flange`. Without `diameter` (m) the tool before gives it. Masses stay.
+    pub fn change_tool(
+        &mut self,
+        link_from_flange: &Isometry3<f64>,
+        tip: &Vector3<f64>,
+        diameter: Option<f64>,
+    ) {
+        let radius = diameter.or_else(|| self.tool_diameter()).map(|diameter| 0.5 * diameter);
+        let radius = radius.unwrap_or_else(|| slender(0.0 - tip.z));
+        let body = Tool { tip: *tip, radius, mass: 0.0, blade: false }.body();
+        let (body, before) = (placed(body, link_from_flange), self.tip.point);
+        self.tip.point = link_from_flange * Point3::from(*tip);
+        let Some(link) = self.links.get_mut(self.tip.link) else { return };
+        let stays =
+            |solid: &Solid| end_of(solid).is_none_or(|end| (end - before).norm() > ROUNDING);
+        link.solids.retain(stays);
+        if !link.collision.is_empty() {
+            link.collision.retain(stays);
+            link.collision.push(body.clone());
+        }
+        link.solids.push(body);
     }
 
     /// Gives the round tool that the model carries its diameter, and puts its holder above it, as a link of its own; `link_from_flange` is

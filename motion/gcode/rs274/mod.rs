@@ -27,11 +27,11 @@
 //! Messages (MSG, DEBUG, PRINT, ...) are notes with their text and are not carried out. Elements of a subroutine file
 //! have the line of the call.
 //!
-//! M words: M0, M1, M3 to M9, M19 and M60 are elements at which the path waits
+//! M words: M0, M1, M3 to M9, M19, M60 and M61 are elements at which the path waits
 //! ([`ElementKind::MFunction`](twin_path::ElementKind::MFunction)), so that a spindle has its speed and coolant flows
-//! before the tool cuts; M3 and M4 carry the speed S as their parameter K, M6 the tool's number, M19 its angle R in
+//! before the tool cuts; M3 and M4 carry the speed S as their parameter K, M6 and M61 the tool's number, M19 its angle R in
 //! degrees (and its direction P as L). M2 and M30 end the program; spindle and coolant that are on stop there (M5, M9),
-//! the spindle also before M6. S alone, T alone, M61, G61 and G64 change no path; see [`Decoder::spindle_speed`],
+//! the spindle also before M6. S alone, T alone, G61 and G64 change no path; see [`Decoder::spindle_speed`],
 //! [`Decoder::tool`] and [`Decoder::path_mode`].
 //!
 //! Spindle: feeds per revolution (G95, G33, G33.1, G76) become feeds along the path for the speed S, whether or not the
@@ -120,6 +120,7 @@ mod thread;
 mod tool_table;
 mod travel;
 mod word;
+mod work_frame;
 mod write;
 
 pub use control::{CONTROL_WORDS, Cell, Control, ControlFinding, ControlWord, Reading};

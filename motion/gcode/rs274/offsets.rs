@@ -2,6 +2,8 @@
 
 use super::options::{DecoderOptions, LengthUnit, Position, ToolReference};
 use super::tool_table::Tool;
+use super::work_frame::unless_identity;
+use nalgebra::Isometry3;
 
 /// Numbers of the parameters that are kept here: home positions, G92, coordinate systems, tool in the spindle.
 const FIRST: u16 = 5161;
@@ -102,11 +104,11 @@ impl Rotation {
     }
 }
 
-fn add<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+pub(super) fn add<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|axis| a[axis] + b[axis])
 }
 
-fn subtract<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+pub(super) fn subtract<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|axis| a[axis] - b[axis])
 }
 
@@ -140,6 +142,8 @@ pub(super) struct Offsets {
     g92: Position,
     tool: Position,
     reference: ToolReference,
+    /// The frame of the path in the machine frame, if it is another one.
+    pub(super) work_frame: Option<Isometry3<f64>>,
     /// All of them together, where nothing is rotated.
     sum: Position,
 }
@@ -155,6 +159,7 @@ impl Offsets {
             g92: Position::default(),
             tool: Position::default(),
             reference: options.reference,
+            work_frame: unless_identity(&options.work_frame),
             sum: Position::default(),
         };
         offsets.store(G28, &options.g28);
@@ -462,9 +467,10 @@ impl Offsets {
         self.stored(home.parameter())
     }
 
-    /// Makes the point at `machine` the target of G28 or G30 (G28.1, G30.1).
+    /// Makes the point at `machine`, frame of the path, the target of G28 or G30 (G28.1, G30.1).
     pub(super) fn save_home(&mut self, home: Home, machine: &Position) {
-        let point = self.controlled_point(machine);
+        let mut point = self.controlled_point(machine);
+        point.linear = self.controlled_in_machine(point.linear);
         self.store(home.parameter(), &point);
     }
 

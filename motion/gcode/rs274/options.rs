@@ -1,6 +1,7 @@
 //! Decoder options: units, positions, work offsets, tools, path mode.
 
 use super::{Control, FlowLimits, ParameterFile, Surroundings, ToolTable};
+use nalgebra::Isometry3;
 use std::path::PathBuf;
 use twin_path::ExtraPosition;
 
@@ -103,7 +104,7 @@ pub enum PathMode {
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "options, each on or off")]
 pub struct DecoderOptions {
-    /// Position of the machine at the beginning.
+    /// Position of the machine at the beginning, work frame.
     pub start: Position,
     /// Units until the first G20 or G21.
     pub units: LengthUnit,
@@ -113,7 +114,10 @@ pub struct DecoderOptions {
     pub acceleration: f64,
     /// Deceleration along the path, m/s².
     pub deceleration: f64,
-    /// Origins of the coordinate systems G54 to G59.3 in the machine frame. The program begins in G54.
+    /// The frame of the path (X, Y, Z) in the machine frame, m: the work frame. Its identity, the default, makes both
+    /// the same. G53, G28 and G30 go to positions in the machine frame; all other positions are in the work frame.
+    pub work_frame: Isometry3<f64>,
+    /// Origins of the coordinate systems G54 to G59.3 in the work frame. The program begins in G54.
     pub work_offsets: [Position; 9],
     /// Target of G28, machine frame.
     pub g28: Position,
@@ -160,6 +164,7 @@ impl Default for DecoderOptions {
             rapid_velocity: 0.1,
             acceleration: 0.1,
             deceleration: 0.1,
+            work_frame: Isometry3::identity(),
             work_offsets: [Position::default(); 9],
             g28: Position::default(),
             g30: Position::default(),

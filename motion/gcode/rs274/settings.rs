@@ -226,6 +226,7 @@ impl State {
         })?;
         self.find_tool(number, Letter::Q, block, out)?;
         self.load_tool(number);
+        self.m_function(61, Some(f64::from(number)), out);
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use super::block::{Block, Letter, Letters};
 use super::control;
 use super::error::{DecodeError, Problem};
 use super::leniency::Leniency;
-use super::offsets::{Location, sum};
+use super::offsets::Location;
 use super::options::Position;
 use super::output::Output;
 use super::settings::OffsetError;
@@ -70,17 +70,20 @@ impl State {
         Ok(block.with_coordinates(to_x, to_y))
     }
 
-    /// Target of the axis words of `block` in the machine frame (G53).
+    /// Target of the axis words of `block` in the machine frame (G53). Axes of the machine that are not named stay.
     fn machine_target(&self, block: &Block) -> Result<Location, Problem> {
-        let mut machine = self.location.machine.axes();
-        let tool = self.offsets.machine_frame().axes();
-        for ((machine, tool), axis) in machine.iter_mut().zip(tool).zip(Letter::AXES) {
-            let Some(word) = block.get(axis) else { continue };
+        let values = Letter::AXES.map(|axis| {
+            let word = block.get(axis)?;
             let is_angle = Letters::ROTARY.contains(axis);
-            *machine = tool + if is_angle { word } else { self.units.to_metres(word) };
-            position_in_range(block, axis, *machine)?;
+            Some(if is_angle { word } else { self.units.to_metres(word) })
+        });
+        let machine = self.offsets.with_machine_axes(&self.location.machine, values);
+        for (axis, machine) in Letter::AXES.into_iter().zip(machine.axes()) {
+            if block.get(axis).is_some() {
+                position_in_range(block, axis, machine)?;
+            }
         }
-        Ok(Location::new(Position::from_axes(machine), &self.offsets, self.units))
+        Ok(Location::new(machine, &self.offsets, self.units))
     }
 
     /// G0 and G1.
@@ -231,7 +234,7 @@ impl State {
     }
 
     /// G28 and G30: to the point of the axis words, if there are any, and from there with the axes named, or all of
-    /// them, to `home`.
+    /// them, to `home`, machine frame. With a work frame these are the axes of the machine.
     pub(super) fn go_home(
         &mut self,
         home: Position,
@@ -242,7 +245,8 @@ impl State {
         self.rapid(through, out);
         let letters = block.letters();
         let all = !letters.meets(Letters::AXES);
-        let target = sum(&home, &self.offsets.machine_frame());
+        let here = self.location.machine;
+        let target = self.offsets.with_machine_axes(&here, home.axes().map(Some));
         let target = Location::new(target, &self.offsets, self.units);
         let mut to = if all { target } else { self.location };
         for (index, axis) in Letter::AXES.into_iter().enumerate() {
@@ -255,6 +259,12 @@ impl State {
             } else {
                 to.copy_axis(index, &target);
             }
+        }
+        if self.offsets.work_frame.is_some() && !all {
+            let home = home.axes();
+            let named = |axis: usize| letters.contains(Letter::AXES[axis]).then_some(home[axis]);
+            let machine = self.offsets.with_machine_axes(&here, std::array::from_fn(named));
+            to = Location::new(machine, &self.offsets, self.units);
         }
         check_position(&to)?;
         let from = self.location.machine;

@@ -1,5 +1,5 @@
 //! Fuzz target: tables that users write next to the machine file. The first byte selects the reader: cams and scenarios
-//! in TOML, cams as CSV and ASCII tables, parameter files of drives, tool tables. What is read and written again is the
+//! in TOML, cams as CSV and ASCII tables, parameter files of drives, tool tables of both kinds. What is read and written again is the
 //! same, and every error names a line.
 
 #![no_main]
@@ -14,7 +14,7 @@ use twin_drives::backup::{self, BackupError};
 use twin_gcode::rs274::{LengthUnit, ToolTable, ToolTableError};
 use twin_machine::cam_file::{CamFile, CamFileError, columns};
 use twin_machine::section::MachineFileError;
-use twin_machine::{Machine, Scenario};
+use twin_machine::{Machine, Scenario, parse_tool_table};
 
 /// Machine of the scenarios: it has step motors and belts.
 static MACHINE: LazyLock<Machine> = LazyLock::new(|| {
@@ -33,6 +33,11 @@ fuzz_target!(|bytes: &[u8]| -> Corpus {
         (b's', Ok(text)) => {
             if let Err(found) = Scenario::parse(text, &MACHINE) {
                 problems::sound("scenario", text, found);
+            }
+        }
+        (b'T', Ok(text)) => {
+            if let Err(found) = parse_tool_table(text) {
+                problems::sound("tool table", text, found);
             }
         }
         (b't', _) => match columns::read(Path::new("fuzz.csv"), table) {

@@ -25,6 +25,8 @@ pub(super) struct Kind {
     pub(super) outputs: &'static [(&'static str, AxisKind)],
     /// True if the transform determines Z.
     pub(super) moves_z: bool,
+    /// True if its generated links have a table just below the lowest place of the tool.
+    pub(super) has_table: bool,
     /// True if it can turn its tool about the vertical.
     pub(super) turns_tool: bool,
     /// Reason that no URDF can describe its links, if there is one.

@@ -18,6 +18,7 @@ const PLANE: Kind = Kind {
     name: "gantry2",
     outputs: &[("X", Linear), ("Y", Linear)],
     moves_z: false,
+    has_table: true,
     turns_tool: false,
     beyond_urdf: None,
     read: |sections| Some(read(sections, 2, Tool::Below)),

@@ -11,7 +11,7 @@ mod urdf;
 
 use super::axis::{Axis, AxisEntry};
 use super::direction::DirectionRule;
-use super::tool::Tool;
+use super::tool::{Mount, Tool};
 use crate::axis_kind::AxisKind;
 use crate::section::Section;
 use design::{FAMILIES, Kind, LENGTH_MM, Mounted, Sections};
@@ -31,6 +31,7 @@ pub(super) struct Geometry {
     /// Length that weighs as much as a radian in measures of singularity, m.
     pub(super) length_scale: f64,
     pub(super) model: Model,
+    pub(super) mount: Mount,
     /// The axes, with what a URDF says of their friction.
     pub(super) axes: Vec<Axis>,
     pub(super) warnings: Vec<UrdfWarning>,
@@ -113,11 +114,22 @@ pub(super) fn read(
         let flange = Isometry3::from(Translation3::from(model.tip.point.coords - tool.tip));
         mount(payload, tool, &mut model, &flange, &body)?;
         let axes = axes.iter().map(|entry| entry.axis.clone()).collect();
-        Built { model, axes, warnings: Vec::new(), hints: Vec::new() }
+        Built { model, flange, axes, warnings: Vec::new(), hints: Vec::new() }
     };
-    let Built { model, axes, warnings, hints } = built;
+    let Built { model, flange, axes, warnings, hints } = built;
+    let mount = Mount { flange, tip: tool.tip, has_table: kind.has_table && !is_urdf };
     let (kind, kinematics) = (kind.name, machine_axes);
-    Some(Geometry { kind, kinematics, direction, length_scale, model, axes, warnings, hints })
+    Some(Geometry {
+        kind,
+        kinematics,
+        direction,
+        length_scale,
+        model,
+        mount,
+        axes,
+        warnings,
+        hints,
+    })
 }
 
 /// Lets `model` carry `payload` at its `flange`, and gives its `tool` the shape it has.
@@ -140,6 +152,8 @@ fn mount(
 /// Links and axes of the machine.
 struct Built {
     model: Model,
+    /// Its place in the link where the tip is, m.
+    flange: Isometry3<f64>,
     axes: Vec<Axis>,
     warnings: Vec<UrdfWarning>,
     hints: Vec<String>,

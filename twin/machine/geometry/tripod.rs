@@ -13,6 +13,7 @@ pub(super) const KINDS: &[Kind] = &[Kind {
     name: "tripod",
     outputs: &[("A", Linear), ("B", Linear), ("C", Linear)],
     moves_z: true,
+    has_table: true,
     turns_tool: false,
     beyond_urdf: Some("the rods of a tripod go round in loops"),
     read,

@@ -63,6 +63,69 @@ fn what_rs274_programs_find() {
 }
 
 #[test]
+fn tool_tables_in_toml() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = folder.path().join("machine.toml");
+    let read = |text: &str| {
+        std::fs::write(folder.path().join("tools.toml"), text).unwrap();
+        // The unit is that of tables without one.
+        let section = "[rs274]\nunit = \"inch\"\ntool_table = \"tools.toml\"\n";
+        Machine::parse(&machine, &format!("{SHORT}{section}"))
+    };
+    let table = "\
+[[tools]]
+number = 7
+pocket = 3
+diameter_mm = 6
+length_mm = 42.5
+comment = \"end mill\"
+[[tools]]
+number = 2
+offset_mm = [1, -2]
+rotary_offset_deg = [0, 90, 0]
+diameter_mm = -0.8
+orientation = 2
+front_angle_deg = 95
+back_angle_deg = 155
+";
+    let found = read(table).unwrap().conditions.rs274.tools.unwrap();
+    let [second, seventh] = found.as_slice() else { panic!("{found:?}") };
+    assert_eq!((second.number, seventh.number), (2, 7));
+    let micrometres = |length: f64| (length * 1e6).round();
+    assert_eq!(seventh.offset.map(micrometres), [0.0, 0.0, 42_500.0]);
+    assert_eq!(micrometres(seventh.diameter), 6000.0);
+    assert_eq!(second.offset.map(micrometres), [1000.0, -2000.0, 0.0]);
+    assert_eq!(micrometres(second.diameter), -800.0);
+    assert_eq!(second.rotary_offset, [0.0, 90.0, 0.0]);
+    assert_eq!((second.front_angle, second.back_angle, second.orientation), (95.0, 155.0, 2));
+
+    let message = |text: &str| {
+        let [problem] = &read(text).unwrap_err()[..] else { panic!("one problem of {text}") };
+        problem.message.clone()
+    };
+    for (text, line, expected) in [
+        ("", 1, "the tool table lacks [[tools]]"),
+        ("[[tools]]\nlength_mm = 1\n", 1, "[[tools]] number 1 lacks `number`"),
+        ("[[tools]]\nnumber = 1\ndiametre_mm = 6\n", 3, "unknown key `diametre_mm`"),
+        ("[[tools]]\nnumber = 1\n\ndiameter_mm = \"6\"\n", 4, "`diameter_mm` is a string"),
+        ("[[tools]]\nnumber = 1\nlength_mm = 1e5\n", 3, "`length_mm`"),
+        ("[[tools]]\nnumber = 1\norientation = 10\n", 3, "10"),
+        ("[[tools]]\nnumber = -1\n", 2, "-1"),
+        ("[[tools]]\nnumber = 1\n[[tools]]\nnumber = 1\n", 4, "tool 1 is in the table already"),
+        ("tool = 1\n[[tools]]\nnumber = 1\n", 1, "unknown key `tool`"),
+    ] {
+        let found = message(text);
+        for part in ["tools.toml", &format!("line {line}: "), expected] {
+            assert!(found.contains(part), "{found} lacks {part}");
+        }
+    }
+    std::fs::remove_file(folder.path().join("tools.toml")).unwrap();
+    let section = "[rs274]\ntool_table = \"tools.toml\"\n";
+    let found = Machine::parse(&machine, &format!("{SHORT}{section}")).unwrap_err();
+    assert!(found[0].message.contains("No such file"), "{}", found[0].message);
+}
+
+#[test]
 fn what_m_functions_switch() {
     let machine = load(&format!(
         "{SHORT}[[m_functions]]\nm = 3\noutputs_on = [1, 2]\ntime_ms = 1500\n[[m_functions]]\nm = 5\noutputs_off = [1, 2]\n"

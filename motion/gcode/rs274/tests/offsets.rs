@@ -3,7 +3,9 @@
 use super::*;
 use crate::rs274::LengthUnit;
 use ElementKind::{Cut, Rapid};
+use nalgebra::{Isometry3, Vector3};
 use std::array;
+use std::f64::consts::FRAC_PI_2;
 
 /// Where the path ends, mm.
 #[track_caller]
@@ -67,6 +69,67 @@ fn home() {
     assert_eq!(home("G55 G28 X5"), [[7.0, 0.0, 0.0], [100.0, 0.0, 0.0]]);
     let found = elements_with(options(), "G1 F60\nG28 X1\nX2\nM2");
     assert_eq!(kinds(&found), [Cut, Rapid, Rapid, Cut], "G1 stays in force");
+}
+
+/// Checks where the path ends in a work frame at `translation`, mm, that is turned about z by `angle`.
+#[track_caller]
+fn expect_in_frame(translation: [f64; 3], angle: f64, cases: &[(&str, [f64; 3])]) {
+    let translation = Vector3::from(translation) * 1e-3;
+    let work_frame = Isometry3::new(translation, Vector3::z() * angle);
+    for (program, expected) in cases {
+        let found = end_mm(&DecoderOptions { work_frame, ..options() }, program);
+        let near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9);
+        assert!(near, "{program}: {found:?}, expected {expected:?}");
+    }
+}
+
+/// machine = work + (100, 50, -20); G54 is at (1, 10, 0).
+#[test]
+fn machine_frame_beyond_a_shifted_work_frame() {
+    expect_in_frame(
+        [100.0, 50.0, -20.0],
+        0.0,
+        &[
+            ("G53 G0 X0 Y0", [-100.0, -50.0, 0.0]),
+            ("G0 X9 Y10 Z5\nG53 G1 Z0 F1", [10.0, 20.0, 20.0]),
+            ("G53 G0 X0\nX0", [1.0, 0.0, 0.0]),
+            ("G28", [0.0, 150.0, 320.0]),
+            ("G91 G30 Z0", [0.0, 0.0, -280.0]),
+            ("G0 X9 Y10 Z5\nG28.1\nG0 X0 Y0 Z0\nG28", [10.0, 20.0, 5.0]),
+            ("G0 X9 Y10 Z5\nG30.1\nG0 X#5181 Y#5182 Z#5183", [111.0, 80.0, -15.0]),
+            // The tool is in force, but G53 and G28 leave it out.
+            ("G43.1 Z7\nG0 Z5\nG53 G0 Z0", [0.0, 0.0, 20.0]),
+            ("G43.1 Z7\nG0 Z5\nG91 G28 Z0", [0.0, 0.0, 320.0]),
+        ],
+    );
+}
+
+/// machine = (100 - y, x, z).
+#[test]
+fn machine_frame_beyond_a_turned_work_frame() {
+    expect_in_frame(
+        [100.0, 0.0, 0.0],
+        FRAC_PI_2,
+        &[
+            ("G0 X9 Y10 Z5\nG53 G0 X0", [10.0, 100.0, 5.0]),
+            ("G0 X9 Y10 Z5\nG53 G0 Y0", [0.0, 20.0, 5.0]),
+            ("G0 X9 Y10 Z5\nG53 G0 X0 Y0 Z0", [0.0, 100.0, 0.0]),
+            ("G0 X9 Y10 Z5\nG28", [200.0, 0.0, 300.0]),
+            ("G0 X9 Y10 Z5\nG28 Y10", [200.0, 20.0, 5.0]),
+            ("G0 X9 Y10 Z5\nG28.1\nG0 X#5161 Y#5162", [81.0, 20.0, 5.0]),
+        ],
+    );
+}
+
+/// A move that goes where the machine is goes nowhere.
+#[test]
+fn machine_frame_where_the_machine_is() {
+    let work_frame = Isometry3::new(Vector3::new(0.1, 0.2, 0.3), Vector3::new(0.3, 0.2, 0.1));
+    let options = DecoderOptions { work_frame, ..options() };
+    let found = elements_with(options, "G53 G0 X1 Y2 Z3\nG53 G0 Y2\nG53 G1 X1 Z3 F1\nM2");
+    let [first, others @ ..] = &found[..] else { panic!("{found:?}") };
+    assert!(others.iter().all(|element| element.start() == first.end()));
+    assert!(others.iter().all(|element| element.length() <= 0.0));
 }
 
 #[test]

@@ -155,7 +155,7 @@ fn speeds_in_moves() {
 
 #[test]
 fn m_functions() {
-    let program = "M0\nM1\nT3 M6\nM7\nM9\nM19 R90 P1\nM60\nM62 P1\nM65 P0\nM66 P2 L3 Q5\nM66 E1 L0\n\
+    let program = "M0\nM1\nT3 M6\nM61 Q2\nM7\nM9\nM19 R90 P1\nM60\nM62 P1\nM65 P0\nM66 P2 L3 Q5\nM66 E1 L0\n\
         M67 E0 Q1.25\nM68 E1 Q-2\nM101 P1.5 Q2\n";
     let expected = program.replace("T3 M6", "M6 T3").replace("M66 E1 L0", "M66 E1 L0 Q0");
     assert_eq!(rewritten(None, program), expected);
@@ -495,4 +495,6 @@ fn nothing_is_refused_of_the_corpus() {
 #[test]
 fn tools_are_changed_by_hand() {
     assert_eq!(rewritten(Control::Grbl, "T2 M6\nG0 X1\nM2"), "M0 (tool 2)\nG0 X1\n");
+    // Its number alone is nobody's work.
+    assert_eq!(rewritten(Control::Grbl, "M61 Q2\nG0 X1\nM2"), "G0 X1\n");
 }

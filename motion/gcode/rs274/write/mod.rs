@@ -56,7 +56,7 @@ impl Default for WriteOptions {
 /// FluidNC and Fanuc, and for Fanuc it is that of the circle of a helix. Dwells are P in seconds, in milliseconds for
 /// Fanuc; Mach3 must be set to seconds.
 ///
-/// M6 is M0 with a comment for controls without a tool change.
+/// M6 is M0 with a comment for controls without a tool change. M61 is left out for controls without it.
 ///
 /// Accelerations, tool radii and the path mode (G61, G64) are not written. The speed S is written where it changes if
 /// elements carry it ([`super::DecoderOptions::keep_spindle`]), rounded to whole revolutions for Fanuc.
@@ -429,12 +429,17 @@ impl<W: Write> ProgramWriter<W> {
         if number == 6 && self.control.refusal("M6").is_some() {
             return self.change_by_hand(place, parameters.k);
         }
+        if number == 61 && self.control.refusal("M61").is_some() {
+            // Nothing moves: the tool is in the spindle already.
+            return Ok(());
+        }
         self.check_word(place, word.clone())?;
         let MParameters { mut k, l, o } = parameters;
         let is_fanuc = self.control == Control::Fanuc;
         let letters = match number {
             3 | 4 => [Some('S'), None],
             6 => [Some('T'), None],
+            61 => [Some('Q'), None],
             19 if !is_fanuc => [Some('R'), Some('P')],
             62..=65 => [Some('P'), None],
             66 => [Some('P'), Some('E')],

@@ -172,7 +172,7 @@ impl Source {
             .ok()?;
         mount(given.payload, given.tool, &mut model, &flange, body)?;
         agree::check(&self, given, machine, &model, &flange)?;
-        Some(Built { model, axes, warnings, hints })
+        Some(Built { model, flange, axes, warnings, hints })
     }
 
     /// Warning about a motor with a very small effort limit in the URDF.
