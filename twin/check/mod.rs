@@ -219,14 +219,11 @@ fn checked(
             let transformer = &checker.transformer;
             let at = (setpoint.time_ns, setpoint.place);
             switch_points.observe(setpoint.switches, at);
-            match items.job() {
-                Some(job) => {
-                    switched.observe(setpoint.tappets, at, |signal| job.tappet_master(signal));
-                }
-                None => {
-                    switched.observe(setpoint.tappets, at, |one| transformer.tappet_master(one));
-                }
-            }
+            let job = items.job();
+            switched.observe(setpoint.tappets, at, |signal| match job {
+                Some(job) => job.tappet_master(signal),
+                None => transformer.tappet_master(signal),
+            });
         }
         let Some(setpoint) = setpoint else {
             // There is no plan to follow.

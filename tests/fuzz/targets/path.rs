@@ -4,9 +4,9 @@
 
 use std::error::Error;
 use twin_gcode::decode::{Failure, Item, TextError};
-use twin_planner::controller::{DEFAULT_CYCLE_NS, Inputs, Interpolator, LookAhead, ToolSetpoint};
-use twin_path::{AxisMask, ElementKind, Marks, PathElement, Shape};
 use twin_path::prepare::{CheckVelocities, Notices, Preparation, Sections};
+use twin_path::{AxisMask, ElementKind, Marks, PathElement, Shape};
+use twin_planner::controller::{DEFAULT_CYCLE_NS, Inputs, Interpolator, LookAhead, ToolSetpoint};
 
 /// Set-points sampled at most.
 const SETPOINTS: usize = 2_000;

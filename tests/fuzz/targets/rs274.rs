@@ -1,4 +1,4 @@
-//! Fuzz target: any bytes as a program of RS274, decoded, planned and sampled.
+//! Fuzz target: any bytes as a program of RS274, decoded, also for one of the controls, planned and sampled, and written.
 
 #![no_main]
 
@@ -7,7 +7,8 @@ mod path;
 use libfuzzer_sys::fuzz_target;
 use std::io::BufReader;
 use twin_gcode::rs274::{
-    Decoder, DecoderOptions, FlowLimits, MAX_CYCLE_MOVES, ProbePath, ProbeTarget, Surroundings,
+    Control, Decoder, DecoderOptions, FlowLimits, MAX_CYCLE_MOVES, ProbePath, ProbeTarget,
+    ProgramWriter, Surroundings, WriteOptions,
 };
 use twin_path::ElementKind;
 
@@ -35,6 +36,8 @@ fuzz_target!(|program: &[u8]| {
     if cycles > 20 {
         return;
     }
+    // LinuxCNC's rules, or those of a control.
+    let control = Control::ALL.get(program.len() % 8).copied();
     for keep_empty_moves in [false, true] {
         let flow_limits = FlowLimits { jumps: JUMPS as u64, ..FlowLimits::default() };
         let surroundings = keep_empty_moves.then(|| Surroundings::new(Sometimes::default));
@@ -42,6 +45,9 @@ fuzz_target!(|program: &[u8]| {
             keep_empty_moves,
             surroundings,
             flow_limits,
+            control: control.filter(|_| keep_empty_moves),
+            strict: control.is_none() && keep_empty_moves,
+            keep_spindle: keep_empty_moves,
             ..DecoderOptions::default()
         };
         let path = path::decoded(Decoder::new(program, options.clone()), most);
@@ -50,6 +56,13 @@ fuzz_target!(|program: &[u8]| {
         assert_eq!(path, path::decoded(Decoder::new(pieces, options), most));
         // The path of the controlled point never jumps but where a block could not be executed.
         let waits = |kind| matches!(kind, ElementKind::Dwell { .. });
+        let written = WriteOptions { control, ..WriteOptions::default() };
+        if let Ok(mut writer) = ProgramWriter::new(Vec::new(), written) {
+            // Whatever cannot be written is an error.
+            if path.iter().try_for_each(|element| writer.write(element)).is_ok() {
+                assert!(writer.finish().is_ok());
+            }
+        }
         let path: Vec<_> = path.into_iter().filter(|element| !waits(element.kind)).collect();
         path::sampled(path::prepared(&path, &path::by_marks(&path)), false, |_| None);
     }
