@@ -36,7 +36,7 @@ use crate::finding;
 use crate::finding::Finding;
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
-use crate::m_function::{MCall, MCalls};
+use crate::m_function::MCalls;
 use crate::peak::AxisPeak;
 use crate::planning::Planning;
 use crate::plant::PlantRecord;
@@ -56,9 +56,9 @@ use rehearsal::Rehearsal;
 pub use run_findings::{drive_errors, faults_to_come, following_errors, happening, happenings};
 use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
+use twin_machine::Machine;
 use twin_machine::switch_points::SwitchPoints;
 use twin_machine::tappets::{Signal, Switched};
-use twin_machine::{Machine, SimulationError};
 use twin_physics::MotorLoad;
 use twin_planner::controller::VelocityMode;
 
@@ -204,7 +204,10 @@ fn checked(
                     continue;
                 }
                 m_calls.extend(tool.m_function);
-                observe_call(machine, items.m_call(), &mut m_functions, way.as_mut())?;
+                if let Some(call) = items.m_call() {
+                    m_functions.observe(&call);
+                    way.as_mut().map_or(Ok(()), |way| way.observe(machine, &call))?;
+                }
                 checker.tool(&tool)
             }
             PlanItem::Bridging(instant) => checker.bridging(&instant),
@@ -278,18 +281,6 @@ fn checked(
     let without_feed = outcome.findings.iter_mut().filter(|_| is_job);
     without_feed.for_each(|finding| finding.largest_feed_mm_per_s = None);
     Ok(outcome)
-}
-
-/// Observes the M function at which the path waits.
-fn observe_call(
-    machine: &Machine,
-    call: Option<MCall>,
-    calls: &mut MCalls,
-    way: Option<&mut Way>,
-) -> Result<(), SimulationError> {
-    let Some(call) = call else { return Ok(()) };
-    calls.observe(&call);
-    way.map_or(Ok(()), |way| way.observe(machine, &call))
 }
 
 /// What has become of the simulated machine.
