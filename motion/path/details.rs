@@ -27,6 +27,8 @@ pub struct Details {
     pub spindle: Option<Spindle>,
     /// The third extra axis is U of RS274, in mm, not C.
     pub third_is_u: bool,
+    /// Words of the block, if the decoder is to keep them.
+    pub words: Option<Words>,
 }
 
 /// The spindle along an element.
@@ -36,6 +38,15 @@ pub struct Spindle {
     pub speed: f64,
     /// The angle of the spindle leads the tool (threads).
     pub synchronized: bool,
+}
+
+/// Words of the block of RS274 that an element comes from, for a writer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Words {
+    /// Whether the block names X, Y, Z, A, B and C.
+    pub named: [bool; 6],
+    /// Positions of X, Y and Z in the machine frame to which the element goes (G28, G30, G53), m.
+    pub machine: [Option<f64>; 3],
 }
 
 impl Details {

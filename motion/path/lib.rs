@@ -49,7 +49,7 @@ pub use bounds::Bounds;
 pub use cubic::{Cubic, cardinal_tangent, end_tangent};
 pub use details::{
     AxisMask, Details, EXTRA_AXES, ExtraAxes, ExtraPosition, MAX_SWITCHES, MParameters, Spindle,
-    Switch, Switches,
+    Switch, Switches, Words,
 };
 pub use disc::PathDisc;
 pub use ellipse::{Ellipse, EllipseError};

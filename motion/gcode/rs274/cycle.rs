@@ -212,7 +212,11 @@ impl State {
 
         if initial < retract {
             let up = self.with(&self.location, normal, retract)?;
+            // The other coordinates come next.
+            let words = self.words;
+            self.words.named = std::array::from_fn(|axis| axis == normal.index);
             self.rapid(up, out);
+            self.words = words;
         }
         let clear = if self.initial_level { initial.max(retract) } else { retract };
         let at = [first, second].map(|axis| self.location.program[axis.index]);

@@ -151,8 +151,9 @@ pub struct DecoderOptions {
     /// Moves that go nowhere are elements too, as in LinuxCNC's interpreter; else they are left out, as its planner
     /// does, but for probing moves, of which it says how they ended. The path stops at elements of length zero.
     pub keep_empty_moves: bool,
-    /// Elements carry the speed S ([`twin_path::Details::spindle`]), for [`super::ProgramWriter`].
-    pub keep_spindle: bool,
+    /// Elements carry the speed S and the axes that their block names ([`twin_path::Details`]), for
+    /// [`super::ProgramWriter`].
+    pub keep_words: bool,
 }
 
 impl Default for DecoderOptions {
@@ -180,7 +181,7 @@ impl Default for DecoderOptions {
             control: None,
             strict: false,
             keep_empty_moves: true,
-            keep_spindle: false,
+            keep_words: false,
         }
     }
 }

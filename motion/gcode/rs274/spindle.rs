@@ -94,7 +94,7 @@ impl State {
 
     /// The spindle along the element that ends here, if elements carry it; with G96 the speed is that of its end.
     pub(super) fn spindle_along(&self) -> Option<Spindle> {
-        let speed = self.speed.filter(|_| self.keep_spindle);
+        let speed = self.speed.filter(|_| self.keep_words);
         let speed = speed.map(|_| self.speed_at(self.location.program[0]))?;
         speed.is_finite().then_some(Spindle { speed, synchronized: self.synchronized })
     }

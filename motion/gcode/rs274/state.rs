@@ -16,9 +16,10 @@ use super::probe::ProbeTarget;
 use super::spindle::SurfaceSpeed;
 use super::spline::Nurbs;
 use super::tool_table::ToolTable;
+use super::travel::Axis;
 use super::word::{Compensate, FeedMode, Motion, OneShot, PathControl, Spline, ToolLength};
 use std::ops::Range;
-use twin_path::{ElementKind, MParameters, Plane};
+use twin_path::{ElementKind, MParameters, Plane, Words};
 
 /// Limits of numbers, in their own units.
 pub(super) const MAX_FEED: f64 = 1e9;
@@ -49,7 +50,9 @@ pub(super) struct State {
     pub(super) acceleration: f64,
     pub(super) deceleration: f64,
     pub(super) keep_empty_moves: bool,
-    pub(super) keep_spindle: bool,
+    pub(super) keep_words: bool,
+    /// Those of the block at hand.
+    pub(super) words: Words,
     /// The move at hand follows the angle of the spindle.
     pub(super) synchronized: bool,
     /// Refuses what LinuxCNC refuses.
@@ -127,7 +130,8 @@ impl State {
             acceleration: options.acceleration,
             deceleration: options.deceleration,
             keep_empty_moves: options.keep_empty_moves,
-            keep_spindle: options.keep_spindle,
+            keep_words: options.keep_words,
+            words: Words::default(),
             synchronized: false,
             strict: options.strict,
             control: options.control,
@@ -225,6 +229,12 @@ impl State {
         let block = radius.as_ref().unwrap_or(block);
         // Most blocks: G1 X1 Y2, X1 Y2.
         let motion = self.motion_of(block)?;
+        if self.keep_words {
+            // Numbers of G91 name no position.
+            let relative = block.g.relative.unwrap_or(self.relative);
+            self.words =
+                if relative { Words::default() } else { words_of(block, motion, self.axes()) };
+        }
         if motion == Some(Motion::Rapid) && self.motion == Motion::Off && block.g.motion.is_none() {
             self.forgive(Leniency::NoMotionWord, None, out)?;
         }
@@ -584,4 +594,17 @@ impl State {
         let parameters = MParameters { k, ..MParameters::default() };
         self.stand(ElementKind::MFunction { number }, parameters, out);
     }
+}
+
+/// The axes that a block names; a canned cycle names the normal of its plane too.
+fn words_of(block: &Block, motion: Option<Motion>, axes: [Axis; 3]) -> Words {
+    let [.., normal] = axes;
+    let letters = block.letters();
+    let polar = letters.meets(Letters::POLAR);
+    let names = |axis: usize| {
+        Letter::AXES.get(axis).is_some_and(|letter| letters.contains(*letter))
+            || (polar && axis < 2)
+            || (matches!(motion, Some(Motion::Cycle(_))) && axis == normal.index)
+    };
+    Words { named: std::array::from_fn(names), ..Words::default() }
 }

@@ -95,6 +95,8 @@ impl State {
     ) -> Result<(), Problem> {
         self.check_exit(true)?;
         let to = if block.g.one_shot == Some(OneShot::MachineFrame) {
+            let metres = |axis| block.get(axis).map(|word| self.units.to_metres(word));
+            self.words.machine = [Letter::X, Letter::Y, Letter::Z].map(metres);
             self.machine_target(block)?
         } else {
             self.target(block, self.relative)?
@@ -269,6 +271,8 @@ impl State {
         check_position(&to)?;
         let from = self.location.machine;
         self.note_extra(&from, &to.machine)?;
+        let named = |axis: usize| all || letters.contains(Letter::AXES[axis]);
+        self.words.machine = std::array::from_fn(|axis| named(axis).then_some(home.linear[axis]));
         self.rapid(to, out);
         Ok(())
     }
@@ -457,13 +461,15 @@ impl State {
         let mut details = None;
         let parameters = parameters.filter(|parameters| *parameters != MParameters::default());
         let spindle = self.spindle_along();
-        if self.extra || parameters.is_some() || spindle.is_some() {
+        let words = self.keep_words.then_some(self.words);
+        if self.extra || parameters.is_some() || words.is_some() {
             let extra = ExtraAxes { start: start.extra_axes(), end: end.extra_axes() };
             details = Some(Box::new(Details {
                 extra: self.extra.then_some(extra),
                 parameters: parameters.unwrap_or_default(),
                 spindle,
                 third_is_u: self.shared == Some(Letter::U),
+                words,
                 ..Details::default()
             }));
         }

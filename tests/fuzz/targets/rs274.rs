@@ -47,7 +47,7 @@ fuzz_target!(|program: &[u8]| {
             flow_limits,
             control: control.filter(|_| keep_empty_moves),
             strict: control.is_none() && keep_empty_moves,
-            keep_spindle: keep_empty_moves,
+            keep_words: keep_empty_moves,
             ..DecoderOptions::default()
         };
         let path = path::decoded(Decoder::new(program, options.clone()), most);

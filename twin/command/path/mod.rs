@@ -176,7 +176,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if format == Format::Rs274 {
         // It reads what is written, not the source.
         control = settings.control.take().or(conditions.rs274.control);
-        (conditions.rs274.control, conditions.rs274.keep_spindle) = (None, true);
+        (conditions.rs274.control, conditions.rs274.keep_words) = (None, true);
     }
 
     let source = &arguments.program;

@@ -26,6 +26,11 @@ impl Block {
         Self { text: String::new(), place, needs_point: control == Control::Fanuc }
     }
 
+    /// True if it moves nothing: there is nothing in it but G words.
+    pub(super) fn is_without_numbers(&self) -> bool {
+        self.text.split_ascii_whitespace().all(|word| word.starts_with('G'))
+    }
+
     /// Appends a word.
     pub(super) fn push(&mut self, word: &str) {
         if !self.text.is_empty() {

@@ -18,7 +18,7 @@ use std::io::Write;
 use std::iter;
 use twin_path::{
     Arc, AxisMask, Chords, ElementKind, Linearise, MParameters, Marks, PathElement, Place, Plane,
-    ProbeOutcome, Probing, Shape,
+    ProbeOutcome, Probing, Shape, Words,
 };
 
 /// Larger steps between elements are gaps, mm or degrees.
@@ -49,7 +49,9 @@ impl Default for WriteOptions {
 ///
 /// Coordinates have four decimals (Fanuc: three), so that the path that a decoder reads is the same to within a
 /// micrometre; the centre of an arc is relative to its written start. Moves that are shorter than that are left out.
-/// Words appear where they change: an axis that the path does not move is not named. Turns of an arc are P where the
+/// Words appear where they change: an axis that the path does not move is not named, unless the block that the element
+/// comes from names it and its position is not known. Other paths begin with Z, then X and Y, of their start. G28, G30 and
+/// G53 are G53. Turns of an arc are P where the
 /// control has it, else an arc each.
 ///
 /// F is per minute along the path. It counts degrees as mm where rotary axes move along with others for grblHAL,
@@ -59,7 +61,7 @@ impl Default for WriteOptions {
 /// M6 is M0 with a comment for controls without a tool change. M61 is left out for controls without it.
 ///
 /// Accelerations, tool radii and the path mode (G61, G64) are not written. The speed S is written where it changes if
-/// elements carry it ([`super::DecoderOptions::keep_spindle`]), rounded to whole revolutions for Fanuc.
+/// elements carry it ([`super::DecoderOptions::keep_words`]), rounded to whole revolutions for Fanuc.
 ///
 /// Behind a probing move there can be no other move, because the program may have gone on from where the probe trips.
 #[derive(Debug)]
@@ -71,6 +73,10 @@ pub struct ProgramWriter<W> {
     end: Option<Axes>,
     /// The same as written.
     at: Axes,
+    /// Axes with a position that the program has set.
+    known: [bool; 6],
+    /// Axes that a position in the machine frame has moved since.
+    foreign: [bool; 6],
     /// The path has begun.
     moved: bool,
     probed: Option<Probing>,
@@ -88,8 +94,7 @@ impl<W: Write> ProgramWriter<W> {
     /// What `out` says, and [`WriteError::SoftMotion`].
     pub fn new(mut out: W, options: WriteOptions) -> Result<Self, WriteError> {
         let control = options.control.unwrap_or(Control::LinuxCnc);
-        let mut note =
-            "(positions without work offsets and tool lengths, set both to zero)".to_owned();
+        let mut note = "(known work offsets and tool lengths are in the numbers)".to_owned();
         match control {
             Control::SoftMotion => return Err(WriteError::SoftMotion),
             Control::Fanuc => {
@@ -105,6 +110,8 @@ impl<W: Write> ProgramWriter<W> {
             tolerance: options.tolerance,
             end: None,
             at: [0.0; 6],
+            known: [false; 6],
+            foreign: [false; 6],
             moved: false,
             probed: None,
             plane: Plane::Xy,
@@ -121,7 +128,10 @@ impl<W: Write> ProgramWriter<W> {
     pub fn write(&mut self, element: &PathElement) -> Result<(), WriteError> {
         self.check(element)?;
         match element.kind {
-            ElementKind::Rapid | ElementKind::Cut => self.motion(element)?,
+            ElementKind::Rapid | ElementKind::Cut => {
+                self.begin(element)?;
+                self.motion(element)?;
+            }
             ElementKind::Probe { probing, outcome } => {
                 if outcome == ProbeOutcome::Tripped {
                     let what = "a probing move without its programmed end, which the path lacks";
@@ -222,8 +232,33 @@ impl<W: Write> ProgramWriter<W> {
         reason.map_or(Ok(()), |reason| Err(WriteError::Word { place, word, control, reason }))
     }
 
+    /// Brings the machine to where a path begins that does not come from blocks of RS274: Z first.
+    fn begin(&mut self, element: &PathElement) -> Result<(), WriteError> {
+        if self.moved || words(element).is_some() {
+            return Ok(());
+        }
+        let start = self.axes(element, false);
+        let mut up = Block::new(element.place, self.control);
+        up.push("G0");
+        self.at[2] = up.number('Z', start[2], self.control.decimals())?;
+        self.emit(&up)?;
+        let mut across = Block::new(element.place, self.control);
+        for (axis, letter) in [(0, 'X'), (1, 'Y')] {
+            self.at[axis] = across.number(letter, start[axis], self.control.decimals())?;
+        }
+        self.emit(&across)?;
+        self.known = [true, true, true, false, false, false];
+        self.motion = Some(0);
+        Ok(())
+    }
+
     /// A rapid or a cut.
     fn motion(&mut self, element: &PathElement) -> Result<(), WriteError> {
+        if let Some(machine) = words(element).map(|words| words.machine)
+            && machine.iter().any(Option::is_some)
+        {
+            return self.to_machine(element, machine);
+        }
         match &element.shape {
             Shape::Line { .. } => self.line(element, None),
             _ if element.kind == ElementKind::Rapid => {
@@ -233,6 +268,27 @@ impl<W: Write> ProgramWriter<W> {
             Shape::Arc(arc) => self.turns(element, arc),
             Shape::Ellipse(_) | Shape::Cubic(_) => self.lines(element),
         }
+    }
+
+    /// A straight move to a position in the machine frame, m.
+    fn to_machine(
+        &mut self,
+        element: &PathElement,
+        machine: [Option<f64>; 3],
+    ) -> Result<(), WriteError> {
+        self.check_word(element.place, "G53".to_owned())?;
+        let number = u8::from(element.kind != ElementKind::Rapid);
+        let mut block = Block::new(element.place, self.control);
+        block.push(&format!("G53 G{number}"));
+        for (axis, (value, letter)) in machine.into_iter().zip("XYZ".chars()).enumerate() {
+            let Some(metres) = value else { continue };
+            block.number(letter, metres * 1e3, self.control.decimals())?;
+            self.foreign[axis] = true;
+        }
+        self.at = self.rounded(self.axes(element, true));
+        self.pace(&mut block, element)?;
+        self.motion = Some(number);
+        self.emit(&block)
     }
 
     /// A straight move, or a probing move; none if no coordinate changes.
@@ -247,7 +303,7 @@ impl<W: Write> ProgramWriter<W> {
             block.push(&format!("G{number}"));
         }
         let to = self.target(&mut block, element, &[])?;
-        if to.map(f64::to_bits) == self.at.map(f64::to_bits) {
+        if block.is_without_numbers() {
             return Ok(());
         }
         self.pace(&mut block, element)?;
@@ -258,22 +314,25 @@ impl<W: Write> ProgramWriter<W> {
 
     /// The words of the coordinates that change, and of those of `forced`; gives the point that a decoder reads.
     fn target(
-        &self,
+        &mut self,
         block: &mut Block,
         element: &PathElement,
         forced: &[usize],
     ) -> Result<Axes, WriteError> {
         let (mut to, decimals) = (self.at, self.control.decimals());
+        let named = words(element).map_or([false; 6], |words| words.named);
         let ends = self.axes(element, true).into_iter().zip("XYZABC".chars());
         for (index, ((value, letter), slot)) in ends.zip(&mut to).enumerate() {
             let changes = read_back(value, decimals).to_bits() != slot.to_bits();
-            if !changes && !forced.contains(&index) {
+            let is_unknown = !self.known[index] || self.foreign[index];
+            if !changes && !forced.contains(&index) && !(named[index] && is_unknown) {
                 continue;
             }
             if index > 2 && self.control != Control::GrblHal {
                 self.check_word(element.place, letter.to_string())?;
             }
             *slot = block.number(letter, value, decimals)?;
+            (self.known[index], self.foreign[index]) = (true, false);
         }
         Ok(to)
     }
@@ -368,6 +427,10 @@ impl<W: Write> ProgramWriter<W> {
             Plane::Zx => ("G18", [0, 2]),
             Plane::Yz => ("G19", [1, 2]),
         };
+        if axes.iter().any(|axis| self.foreign[*axis]) {
+            let what = "an arc from a position in the machine frame (G28, G30, G53)";
+            return Err(WriteError::Inexpressible { place: element.place, what });
+        }
         if self.plane != arc.plane() {
             block.push(plane);
         }
@@ -500,6 +563,11 @@ impl<W: Write> ProgramWriter<W> {
         writeln!(self.out, "{}", block.text)?;
         Ok(())
     }
+}
+
+/// Words of the block of `element`, if it is one of RS274.
+fn words(element: &PathElement) -> Option<Words> {
+    element.details.as_ref().and_then(|details| details.words)
 }
 
 /// A whole number of turns.
