@@ -33,7 +33,7 @@ mod run_findings;
 mod tests;
 
 use crate::finding;
-use crate::finding::Finding;
+use crate::finding::{Finding, Rule, Severity};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
 use crate::m_function::MCalls;
@@ -159,6 +159,15 @@ pub fn check_watched(
         let following = following.transpose()?.flatten();
         checked(machine, program, options, following, (progress, watch))
     })?;
+    // Behind a block that cannot be read the path goes on with a jump that nobody has written.
+    let unread = |finding: &Finding| {
+        let of_text =
+            matches!(finding.rule, Rule::Syntax | Rule::UnsupportedWord | Rule::ArcGeometry);
+        of_text && finding.severity == Severity::Error
+    };
+    if outcome.findings.iter().any(unread) {
+        outcome.findings.retain(|one| one.rule != Rule::Gap || one.severity != Severity::Note);
+    }
     let plans = limits == Limits::Axes && program.dialect() != Dialect::Job;
     if plans && !finding::unfit(&outcome.findings) {
         let rules = Acknowledgement::for_check(machine, acknowledge);

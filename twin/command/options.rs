@@ -449,7 +449,7 @@ impl ReadOptions {
 }
 
 /// The names of controls.
-fn controls() -> impl TypedValueParser<Value = Control> {
+pub(super) fn controls() -> impl TypedValueParser<Value = Control> {
     let names = PossibleValuesParser::new(Control::ALL.map(Control::name));
     names.try_map(|name| {
         Control::ALL.into_iter().find(|control| control.name() == name).ok_or("no such control")

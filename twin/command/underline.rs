@@ -37,6 +37,8 @@ pub(super) fn words(line: &str, finding: &Finding) -> Vec<Range<usize>> {
             [of(&['F', 'E']), of(&own), of(&coordinates)]
         }
         Rule::AxisPosition => [of(&own), of(&coordinates), Vec::new()],
+        // The block as a whole.
+        Rule::Syntax | Rule::UnsupportedWord | Rule::Control => [const { Vec::new() }; 3],
         _ => [of(&coordinates), Vec::new(), Vec::new()],
     };
     let found = candidates.into_iter().find(|words| !words.is_empty());
@@ -52,6 +54,7 @@ fn block_words(line: &str) -> Vec<(char, Range<usize>)> {
     let mut comment = false;
     for (index, character) in line.char_indices() {
         match character {
+            ';' if !comment => break,
             '(' => comment = true,
             ')' => comment = false,
             _ if comment || character.is_whitespace() => {}

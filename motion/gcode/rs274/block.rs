@@ -241,6 +241,24 @@ impl Block {
         Some(usize::try_from(*start).ok()?..usize::try_from(*end).ok()?)
     }
 
+    /// Multiplies the number of a word.
+    pub(super) fn scale(&mut self, letter: Letter, factor: f64) {
+        if let Some(value) = self.values.get_mut(letter.index()) {
+            *value *= factor;
+        }
+    }
+
+    /// Gives the number of `from` to `to` instead, if it is there and the other one is not.
+    pub(super) fn rename(&mut self, from: Letter, to: Letter) {
+        let Some(value) = self.get(from).filter(|_| self.get(to).is_none()) else { return };
+        let columns = self.columns.get(from.index()).copied().unwrap_or_default();
+        let slots = (self.values.get_mut(to.index()), self.columns.get_mut(to.index()));
+        if let (Some(slot), Some(place)) = slots {
+            (*slot, *place) = (value, columns);
+            self.present = self.present.without(Letters(from.bit())).with(Letters(to.bit()));
+        }
+    }
+
     /// The bytes of the last G or M word.
     pub(super) fn code_columns(&self) -> Option<Range<usize>> {
         self.code.clone()

@@ -10,6 +10,7 @@ use super::options::{DecoderOptions, PathMode, Position};
 use super::output::Output;
 use super::source::{Reading, Source, Spot};
 use super::state::State;
+use crate::decode::{Rule, TextError};
 use std::io::{self, BufRead};
 use std::iter::FusedIterator;
 use twin_path::Place;
@@ -162,7 +163,9 @@ impl<R: BufRead> Decoder<R> {
             return;
         }
         self.ended = true;
-        self.forgive(Leniency::NoEnd);
+        if self.begun {
+            self.forgive(Leniency::NoEnd);
+        }
         self.out.place = self.last;
         self.state.end(&mut self.out);
         self.out.end();
@@ -220,6 +223,9 @@ impl<R: BufRead> Decoder<R> {
         }
         let flow = lexer::lex(line, begin, &self.state, &mut self.block, &mut self.problems);
         self.out.place.block = self.block.number;
+        if let Some(control) = self.state.numbers_of {
+            control.translate(&mut self.block, self.state.motion);
+        }
         if let Some(meant) = self.state.control.filter(|_| self.problems.is_empty()) {
             let keyword = flow.as_ref().map(|(_, keyword, _)| *keyword);
             control::check(meant, line, &self.block, keyword, &self.state, &mut self.out);
@@ -242,10 +248,14 @@ impl<R: BufRead> Decoder<R> {
         self.state.adopt(&self.block);
         // The F that is missing later may well be one that could not be read here.
         self.state.forgive_missing_feed();
+        let unread = self.problems.iter().any(|one| one.error.rule() == Rule::Syntax);
         for Problem { columns, error } in self.problems.drain(..) {
             self.out.error(columns, error);
         }
         self.state.recover(&self.block, &mut self.out);
+        if unread {
+            self.state.doubt();
+        }
         self.ended = matches!(self.block.m.stop, Some(2 | 30));
     }
 
@@ -287,7 +297,7 @@ impl<R: BufRead> Decoder<R> {
     /// Carries out M98 with the number of a subroutine and of its calls, or M99.
     fn go(&mut self, m: u16, (program, count): (u32, u32)) -> Result<(), Problem> {
         let has_l = self.block.get(Letter::L).is_some();
-        let (program, count) = match self.state.control {
+        let (program, count) = match self.state.numbers_of {
             Some(control) => control.calls((program, count), has_l),
             None => (program, count),
         };

@@ -503,6 +503,19 @@ impl DecodeError {
     }
 }
 
+impl DecodeError {
+    /// True if it may only be one of where an arc begins.
+    pub(super) fn is_of_start(&self) -> bool {
+        matches!(
+            self,
+            Self::CenterMismatch { .. }
+                | Self::ZeroRadius { .. }
+                | Self::RadiusTooSmall { .. }
+                | Self::RadiusWithoutChord
+        )
+    }
+}
+
 impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {

@@ -182,7 +182,7 @@ impl<'a> Lexer<'a> {
         let columns = start..self.at;
         match value {
             Some(value) => {
-                let value = match self.state.control {
+                let value = match self.state.numbers_of {
                     Some(control) if upper == b'G' => control.g_number(value),
                     _ => value,
                 };

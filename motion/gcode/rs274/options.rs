@@ -146,6 +146,8 @@ pub struct DecoderOptions {
     pub flow_limits: FlowLimits,
     /// The control that the program is meant for: what it refuses, leaves out or reads differently is a finding.
     pub control: Option<Control>,
+    /// The control whose numbers the program has (G4, M98, G70 and G71, F with rotary axes), if it is another one.
+    pub numbers_of: Option<Control>,
     /// Refuses what LinuxCNC refuses, also where shops run it on other controls.
     pub strict: bool,
     /// Moves that go nowhere are elements too, as in LinuxCNC's interpreter; else they are left out, as its planner
@@ -179,6 +181,7 @@ impl Default for DecoderOptions {
             subroutine_folders: Vec::new(),
             flow_limits: FlowLimits::default(),
             control: None,
+            numbers_of: None,
             strict: false,
             keep_empty_moves: true,
             keep_words: false,

@@ -59,6 +59,8 @@ pub(super) struct State {
     pub(super) strict: bool,
     /// The control that the program is meant for.
     pub(super) control: Option<Control>,
+    /// The control whose numbers it has.
+    pub(super) numbers_of: Option<Control>,
     pub(super) tools: Option<ToolTable>,
     /// Without a tool table every tool exists, with length zero unless G10 says otherwise.
     pub(super) assumes_tools: bool,
@@ -96,6 +98,8 @@ pub(super) struct State {
     /// A block has had an F word.
     pub(super) feed_given: bool,
     pub(super) feed_reported: bool,
+    /// Axes whose position is not known behind a block that could not be read.
+    pub(super) uncertain: Letters,
     pub(super) series: Series,
     /// I and J of a G5 that has none, in units of the program: P and Q of the last G5, turned around.
     pub(super) spline_start: [f64; 2],
@@ -135,6 +139,7 @@ impl State {
             synchronized: false,
             strict: options.strict,
             control: options.control,
+            numbers_of: options.numbers_of.or(options.control),
             assumes_tools: options.tools.is_none(),
             tools: options.tools,
             probe_target: options.surroundings.map(|surroundings| surroundings.target()),
@@ -160,6 +165,7 @@ impl State {
             feed_word: 0.0,
             feed_given: false,
             feed_reported: false,
+            uncertain: Letters::default(),
             series: Series::default(),
             spline_start: [0.0; 2],
             nurbs: None,
@@ -584,7 +590,7 @@ impl State {
 
     /// Waits for `seconds`, or what the control of the program makes of this number.
     pub(super) fn dwell(&mut self, seconds: f64, out: &mut Output) -> Result<(), DecodeError> {
-        let seconds = self.control.map_or(seconds, |control| control.seconds(seconds));
+        let seconds = self.numbers_of.map_or(seconds, |control| control.seconds(seconds));
         let time_ns = Self::dwell_ns(seconds)?;
         self.stand(ElementKind::Dwell { time_ns }, MParameters::default(), out);
         Ok(())

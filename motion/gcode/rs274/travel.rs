@@ -101,6 +101,7 @@ impl State {
         } else {
             self.target(block, self.relative)?
         };
+        self.be_certain(block);
         if self.is_compensated() {
             return self.compensate_line(motion, block, to, out);
         }
@@ -125,14 +126,18 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         self.check_exit(false)?;
+        let from_doubt = self.uncertain;
         let to = self.target(block, self.relative)?;
+        self.be_certain(block);
         match self.arc(clockwise, block, &to, out) {
             Ok(shape) => self.follow_arc(shape, block, to, out),
             Err(problem) => {
                 // The blocks after it continue where it was to end.
                 self.interrupt_compensation(out);
                 self.location = to;
-                Err(problem)
+                let [first, second, _] = self.axes().map(|axis| axis.letter);
+                let in_doubt = from_doubt.meets(Letters::of(&[first, second]));
+                if in_doubt && problem.error.is_of_start() { Ok(()) } else { Err(problem) }
             }
         }
     }
@@ -310,6 +315,18 @@ impl State {
         }
     }
 
+    /// The positions that a block names are known.
+    pub(super) fn be_certain(&mut self, block: &Block) {
+        if self.uncertain != Letters::default() && !self.relative {
+            self.uncertain = self.uncertain.without(block.letters());
+        }
+    }
+
+    /// Doubts where the axes are, behind a block that could not be read.
+    pub(super) fn doubt(&mut self) {
+        self.uncertain = self.uncertain.with(Letters::LINEAR);
+    }
+
     /// Goes straight to `to` with the velocity of rapids.
     pub(super) fn rapid(&mut self, to: Location, out: &mut Output) {
         let shape = self.line_to(&to);
@@ -364,20 +381,24 @@ impl State {
         inverse_time: Option<f64>,
     ) -> Result<f64, DecodeError> {
         let length = shape.length();
-        // Where X, Y and Z move, nothing else counts.
-        let [turn, shift] = if self.extra && length <= 0.0 {
+        // Where X, Y and Z move, nothing else counts for LinuxCNC.
+        let counts_degrees = self.numbers_of.filter(|control| control.adds_rotary_feed());
+        let [turn, shift] = if self.extra && (length <= 0.0 || counts_degrees.is_some()) {
             self.extra_distance(&self.location.machine.extra_axes(), &to.machine.extra_axes())
         } else {
             [0.0; 2]
         };
         let feed = if self.feed_mode == FeedMode::InverseTime {
             let per_minute = inverse_time.ok_or(DecodeError::MissingInverseTime)?;
-            let length = length.max(turn.hypot(shift) * 1e-3);
+            let length = if length > 0.0 { length } else { turn.hypot(shift) * 1e-3 };
             // Without a length there is no time to keep, and any feed is right.
             per_minute / 60.0 * if length > 0.0 { length } else { 1.0 }
         } else {
             let feed = self.feed.ok_or(DecodeError::MissingFeed)?;
-            let feed = if shift > 0.0 {
+            let feed = if length > 0.0 {
+                let turned = turn.hypot(shift) * 1e-3;
+                feed.linear * counts_degrees.map_or(1.0, |_| length / length.hypot(turned))
+            } else if shift > 0.0 {
                 // F is that of U, V and W.
                 feed.linear * (turn.hypot(shift) / shift)
             } else if turn > 0.0 {

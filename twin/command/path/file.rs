@@ -4,8 +4,9 @@ use super::Format;
 use crate::command::Failure;
 use crate::command::atomic_file::{AtomicFile, unwritable};
 use std::fs;
-use std::io::{self, BufWriter, Stdout, Write};
+use std::io::{self, BufWriter, Seek, Stdout, Write};
 use std::path::{Path, PathBuf};
+use tempfile::SpooledTempFile;
 
 /// Output target.
 #[derive(Debug)]
@@ -39,6 +40,9 @@ impl Target {
     /// Begins the file of program `number`, `name`.
     pub(super) fn open(&self, number: u32, name: &str, format: Format) -> Result<File, Failure> {
         let path = match self {
+            Self::Stdout if matches!(format, Format::Din66025 | Format::Rs274 | Format::Dxf) => {
+                return Ok(File::Held(SpooledTempFile::new(HELD)));
+            }
             Self::Stdout => {
                 return Ok(File::Stdout(BufWriter::new(io::stdout())));
             }
@@ -59,10 +63,15 @@ impl Target {
     }
 }
 
+/// A larger program waits on the disk, bytes.
+const HELD: usize = 1 << 24;
+
 /// An output file, renamed to its name on success.
 #[derive(Debug)]
 pub(super) enum File {
     Stdout(BufWriter<Stdout>),
+    /// For standard output, as a whole or not at all.
+    Held(SpooledTempFile),
     Named(AtomicFile),
 }
 
@@ -79,6 +88,12 @@ impl File {
     pub(super) fn finish(self) -> Result<(), Failure> {
         match self {
             Self::Stdout(mut out) => out.flush().map_err(Failure::Stdio),
+            Self::Held(mut held) => {
+                held.rewind().map_err(Failure::Stdio)?;
+                let mut out = io::stdout().lock();
+                io::copy(&mut held, &mut out).map_err(Failure::Stdio)?;
+                out.flush().map_err(Failure::Stdio)
+            }
             Self::Named(file) => file.finish(),
         }
     }
@@ -88,6 +103,7 @@ impl Write for File {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
             Self::Stdout(out) => out.write(bytes),
+            Self::Held(held) => held.write(bytes),
             Self::Named(file) => file.write(bytes),
         }
     }
@@ -95,6 +111,7 @@ impl Write for File {
     fn flush(&mut self) -> io::Result<()> {
         match self {
             Self::Stdout(out) => out.flush(),
+            Self::Held(held) => held.flush(),
             Self::Named(file) => file.flush(),
         }
     }

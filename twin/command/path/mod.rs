@@ -11,7 +11,7 @@ mod picture;
 mod setpoints;
 mod svg;
 
-use super::options::{ReadOptions, expect_path, unreadable};
+use super::options::{ReadOptions, controls, expect_path, unreadable};
 use super::{Failure, Status, show};
 use crate::command::atomic_file;
 use crate::finding;
@@ -53,6 +53,11 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     read: ReadOptions,
+
+    /// Control that an RS274 program was written for, with --format rs274, where --for is the control that shall read the result:
+    /// its G4, M98, G70 and G71, and its F with rotary axes count [default: `control` of [rs274] in the machine file]
+    #[arg(long, value_name = "CONTROL", value_parser = controls())]
+    from: Option<Control>,
 
     /// What to write [default: by the ending of --output; din66025 with --one-per layer or section; else jsonl]
     #[arg(long, value_enum)]
@@ -175,8 +180,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let mut control = None;
     if format == Format::Rs274 {
         // It reads what is written, not the source.
-        control = settings.control.take().or(conditions.rs274.control);
+        control = settings.control.take();
+        conditions.rs274.numbers_of = arguments.from.or(conditions.rs274.control);
         (conditions.rs274.control, conditions.rs274.keep_words) = (None, true);
+    } else if arguments.from.is_some() {
+        let message = "--from has no effect without --format rs274; --for says what the program is";
+        return Err(Failure::Usage(message.to_owned()));
     }
 
     let source = &arguments.program;
@@ -222,16 +231,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             left_out: 0,
             elements: 0,
         };
+        // What others would take for a whole program must be one.
         let mut file = target.open(number, name, format)?;
         job.write(format, &mut file).map_err(|failure| file.named(failure))?;
-        // What others would take for a whole program must be one.
         let unfit = finding::unfit(&job.findings);
-        let kept = !unfit
-            || matches!(
-                format,
-                Format::Jsonl | Format::Svg | Format::Info | Format::Viewer | Format::Listing
-            );
-        if kept || target.is_stdout() {
+        let is_kept = match format {
+            Format::Din66025 | Format::Rs274 | Format::Dxf => !unfit,
+            Format::Setpoints => !unfit || target.is_stdout(),
+            _ => true,
+        };
+        if is_kept {
             file.finish()?;
         } else {
             stderr!("{name} is not written: the program has errors");
@@ -268,8 +277,19 @@ impl Job<'_> {
             Format::Jsonl | Format::Din66025 | Format::Rs274 | Format::Dxf => {}
         }
         let mut writer = Writer::new(format, self, out)?;
-        self.each(|element| writer.write(&element))?;
-        writer.finish()
+        let mut failed = None;
+        self.each(|element| {
+            if failed.is_none() {
+                failed = writer.write(&element).err();
+            }
+            Ok(())
+        })?;
+        match failed {
+            None => writer.finish(),
+            // Errors of the program come first: what cannot be written may follow from them.
+            Some(_) if finding::unfit(&self.findings) => Ok(()),
+            Some(failure) => Err(failure),
+        }
     }
 
     /// Its path as asked for.

@@ -7,6 +7,8 @@ pub(super) use table::row;
 pub use table::{CONTROL_WORDS, Cell, ControlWord, Reading};
 pub(super) use words::{check, forgive, unequal_radii};
 
+use super::block::{Block, Letter};
+use super::word::{Motion, OneShot};
 use std::fmt;
 
 /// A control whose dialect of RS274 is known.
@@ -73,6 +75,26 @@ impl Control {
             // Others have grbl's rule, or a looser one.
             _ => difference <= 0.005 || (difference <= 0.5 && difference <= 1e-3 * radius),
         }
+    }
+
+    /// Gives words of `block` the letters of LinuxCNC: Fanuc's G4 X is in seconds, and K repeats canned cycles.
+    pub(super) fn translate(self, block: &mut Block, motion: Motion) {
+        if self != Self::Fanuc {
+            return;
+        }
+        let dwells = block.g.one_shot == Some(OneShot::Dwell);
+        if dwells && block.g.motion.is_none() {
+            block.scale(Letter::X, 1e3);
+            block.rename(Letter::X, Letter::P);
+        }
+        if matches!(block.g.motion.unwrap_or(motion), Motion::Cycle(_)) {
+            block.rename(Letter::K, Letter::L);
+        }
+    }
+
+    /// True if F counts degrees as mm where rotary axes move along with others.
+    pub(super) fn adds_rotary_feed(self) -> bool {
+        matches!(self, Self::GrblHal | Self::FluidNc | Self::Fanuc)
     }
 
     /// P of a dwell, s.

@@ -39,6 +39,10 @@ pub(in crate::rs274) fn forgive(
             Leniency::UnknownM(number) => Some(format!("M{number}")),
             _ => None,
         };
+        // What has a row of its own has been found there.
+        if word.as_deref().is_some_and(|word| row(word).is_some()) {
+            return;
+        }
         report(control, leniency.word(), word, columns, out);
     }
 }
@@ -62,8 +66,33 @@ pub(in crate::rs274) fn check(
     for (word, columns) in scan.words {
         report(control, &word, None, Some(columns), out);
     }
+    if is_long(control, line) {
+        report(control, "long line", None, None, out);
+    }
     for word in features(control, block, keyword, state) {
         report(control, word, None, None, out);
+    }
+}
+
+/// True if `control` does not read lines of this length.
+fn is_long(control: Control, line: &[u8]) -> bool {
+    let bytes = line.trim_ascii_end().len();
+    match control {
+        Control::LinuxCnc => bytes > 252,
+        Control::Grbl => {
+            let mut comment = false;
+            let counts = |byte: &&u8| {
+                comment |= **byte == b'(';
+                let counts = !comment && !byte.is_ascii_whitespace();
+                comment &= **byte != b')';
+                counts
+            };
+            let text = line.split(|byte| *byte == b';').next().unwrap_or_default();
+            text.iter().filter(counts).count() > 79
+        }
+        Control::GrblHal | Control::Mach3 => bytes > 256,
+        Control::FluidNc => bytes > 127,
+        Control::Fanuc | Control::SoftMotion => false,
     }
 }
 
@@ -126,7 +155,8 @@ fn features(
     }
     find(block.number.is_some_and(|number| number > 99_999), "N above 99999");
     find(block.number.is_some_and(|number| number > 10_000_000), "N above 10000000");
-    find(block.number.is_none() && control == Control::SoftMotion, "block without N");
+    let needs_n = control == Control::SoftMotion && !(block.is_empty() && keyword.is_none());
+    find(block.number.is_none() && needs_n, "block without N");
     found
 }
 
@@ -186,15 +216,12 @@ impl Scan<'_> {
                 b';' => return self.add("comment with ;", start..self.line.len()),
                 b'/' if self.words.is_empty() => self.add("block delete /", start..self.at),
                 b'%' => self.add("%", start..self.at),
-                b'#' => {
-                    self.skip_blanks();
-                    let named = self.peek() == Some(b'<');
-                    self.add(if named { "named parameters" } else { "parameters" }, start..self.at);
-                    while named && self.peek().is_some_and(|byte| byte != b'>') {
-                        self.at += 1;
-                    }
+                b'#' => self.parameter(start),
+                b'=' => self.skip_name(),
+                b'[' => {
+                    self.add("expressions", start..self.at);
+                    self.skip_expression();
                 }
-                b'[' => self.add("expressions", start..self.at),
                 b'@' | b'^' => self.add("@ and ^", start..self.at),
                 b'$' => self.add("$", start..self.at),
                 b'N' => {
@@ -204,14 +231,16 @@ impl Scan<'_> {
                 b'O' if self.words.is_empty() => return,
                 letter @ b'A'..=b'Z' => {
                     let number = self.number();
+                    if number.is_empty() {
+                        self.skip_name();
+                    }
                     let columns = start..self.at;
                     m_words += usize::from(letter == b'M');
                     if m_words > 1 {
                         self.add("several M words in a block", columns.clone());
                     }
                     self.add(name(letter, &number), columns.clone());
-                    let is_length =
-                        matches!(letter, b'X' | b'Y' | b'Z' | b'I' | b'J' | b'K' | b'R');
+                    let is_length = matches!(letter, b'X' | b'Y' | b'Z' | b'I' | b'J' | b'R');
                     let whole = number.bytes().any(|digit| digit != b'0') && !number.contains('.');
                     if is_length && whole {
                         self.add("length without a decimal point", columns);
@@ -219,6 +248,43 @@ impl Scan<'_> {
                 }
                 _ => {}
             }
+        }
+    }
+
+    /// Goes behind the name of a function, if there is one.
+    fn skip_name(&mut self) {
+        self.skip_blanks();
+        while self.peek().is_some_and(|byte| byte.is_ascii_alphabetic()) {
+            self.at += 1;
+        }
+    }
+
+    /// Goes behind the brackets of an expression, but for its parameters.
+    fn skip_expression(&mut self) {
+        let mut depth = 1;
+        while let Some(byte) = self.peek().filter(|_| depth > 0) {
+            match byte {
+                b'[' => depth += 1,
+                b']' => depth -= 1,
+                b'#' => {
+                    let start = self.at;
+                    self.at += 1;
+                    self.parameter(start);
+                    continue;
+                }
+                _ => {}
+            }
+            self.at += 1;
+        }
+    }
+
+    /// The parameter behind `#` at `start`.
+    fn parameter(&mut self, start: usize) {
+        self.skip_blanks();
+        let named = self.peek() == Some(b'<');
+        self.add(if named { "named parameters" } else { "parameters" }, start..self.at);
+        while named && self.peek().is_some_and(|byte| byte != b'>') {
+            self.at += 1;
         }
     }
 

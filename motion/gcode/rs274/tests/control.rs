@@ -34,7 +34,10 @@ fn every_row_is_read() {
 /// Each word of the table that is not one of LinuxCNC's letters, G and M words is found in this program.
 #[test]
 fn every_word_is_found() {
-    let program = "%\nO100 (number)\nN99999999 G21 ; comment\n/G0 X1\nG2 X3 I1 K4 F100\nG2 X9 R-4\nG0 X0 Y0\nG2 X10 I5.01\nG2 I1 P2\nG18 G2 X1 Z1 R3\nG19 G2 Y1 Z1 R3\nG17 G4 P.5\nG10 L1 P1 R1\nG10 L2 P1 X0\nG10 L2 P7 R0\nG10 L10 P1\nG10 L11 P1\nG10 L20 P2\nG81 X1 Z-1 R2 L2\nM3 M8 S100\nM10\n#1=[1+2]\n#<x>=1\n@1^2 G0\no1 sub\no1 endsub\no2 if [1]\no2 endif\no3 while [0]\no3 endwhile\n%\n";
+    let long = format!("G1 X1 ({})", "-".repeat(300));
+    let program = format!(
+        "%\nO100 (number)\n{long}\nN99999999 G21 ; comment\n/G0 X1\nG2 X3 I1 K4 F100\nG2 X9 R-4\nG0 X0 Y0\nG2 X10 I5.01\nG2 I1 P2\nG18 G2 X1 Z1 R3\nG19 G2 Y1 Z1 R3\nG17 G4 P.5\nG10 L1 P1 R1\nG10 L2 P1 X0\nG10 L2 P7 R0\nG10 L10 P1\nG10 L11 P1\nG10 L20 P2\nG81 X1 Z-1 R2 L2\nM3 M8 S100\nM10\n#1=[1+2]\n#<x>=1\n@1^2 G0\no1 sub\no1 endsub\no2 if [1]\no2 endif\no3 while [0]\no3 endwhile\n%\n"
+    );
     let found: BTreeSet<String> = Control::ALL
         .into_iter()
         .flat_map(|control| {
@@ -94,6 +97,7 @@ fn leniency_is_that_of_the_control() {
         (Control::LinuxCnc, "G0 X1", 1, 0),
         (Control::Grbl, "G0 X1", 0, 0),
         (Control::Fanuc, "G0 X1.", 1, 1),
+        (Control::Mach3, "M47\nM2", 0, 1),
         (Control::Grbl, "G1 X1\nM2", 1, 0),
         (Control::LinuxCnc, "X1\nM2", 1, 0),
         (Control::Grbl, "X1\nM2", 0, 1),
@@ -120,6 +124,26 @@ fn numbers_that_mean_something_else() {
     assert_eq!(dwell(Control::Fanuc), ElementKind::Dwell { time_ns: 500_000_000 });
     assert_eq!(dwell(Control::Grbl), ElementKind::Dwell { time_ns: 500_000_000_000 });
     assert_eq!(ends(&decode_for(Control::Mach3, "G70 G0 X1\nG71 X2\nM2")), "25.4 0 0 | 2 0 0");
+    let seconds = decode_for(Control::Fanuc, "G4 X.5\nM2")[0].kind;
+    assert_eq!(seconds, ElementKind::Dwell { time_ns: 500_000_000 });
+    let holes = decode_for(Control::Fanuc, "G91 F60 G81 X1. Z-1. R0. K3\nM2");
+    assert_eq!(ends(&holes).split(" | ").last(), Some("3 0 0"));
+    // 3 mm and 4 degrees in the time of 5 mm.
+    let both = |control| decode_for(control, "F60 G1 X3 A4\nM2")[0].feed;
+    assert!((both(Control::FluidNc) - 0.6e-3).abs() < 1e-12);
+    assert_eq!(both(Control::Grbl), 1e-3);
     let program = "G91\nM98 P30200\nM2\nO200\nG0 X1\nM99\n";
     assert_eq!(ends(&decode_for(Control::Fanuc, program)), "1 0 0 | 2 0 0 | 3 0 0");
+}
+
+/// Names of functions are no axes.
+#[test]
+fn names_of_functions() {
+    let program = "G21\n#1=ABS[-3]\nG0 X[10*COS[30]+EXP[0]] Y ABS[#<_x>]\nM2";
+    let (errors, _) = findings(Control::Grbl, program);
+    let lines: Vec<_> = errors.iter().map(|error| error.split(':').nth(1).unwrap()).collect();
+    assert_eq!(
+        lines,
+        [" grbl refuses parameters", " grbl refuses expressions", " grbl refuses named parameters"]
+    );
 }

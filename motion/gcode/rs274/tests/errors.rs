@@ -169,3 +169,15 @@ fn twenty_faults_are_twenty_errors() {
     }
     assert_eq!(ends_mm(&decoded.elements).last(), Some(&[440.0, 0.0, 0.0]));
 }
+
+/// Where an arc begins behind a block that could not be read is unknown.
+#[test]
+fn arcs_behind_a_block_that_cannot_be_read() {
+    for fault in ["G1 X20,5 Y10", "X Y20", "G1 X20 X25", "G1 X2O", "G1 X[10+10"] {
+        let decoded = decode(&format!("F60 G1 X5 Y5\n{fault}\nG2 X30.5 Y10 I5 J0\nG1 X1\nM2"));
+        assert_eq!(decoded.errors.len(), 1, "{fault}: {:?}", decoded.errors);
+        // Known again.
+        let decoded = decode(&format!("F60 G1\n{fault}\nG1 X0 Y0\nG2 X9 I1\nM2"));
+        assert_eq!(decoded.errors.len(), 2, "{fault}: {:?}", decoded.errors);
+    }
+}

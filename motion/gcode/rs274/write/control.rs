@@ -19,11 +19,6 @@ impl Control {
         if self == Self::Fanuc { 3 } else { 4 }
     }
 
-    /// True if F counts degrees as mm where rotary axes move along with others.
-    pub(super) fn adds_rotary_feed(self) -> bool {
-        matches!(self, Self::GrblHal | Self::FluidNc | Self::Fanuc)
-    }
-
     /// What it does with `word` if the writer cannot use it.
     pub(super) fn refusal(self, word: &str) -> Option<&'static str> {
         let number: Option<u16> = word.strip_prefix('M').and_then(|number| number.parse().ok());

@@ -257,7 +257,7 @@ impl<W: Write> ProgramWriter<W> {
         if let Some(machine) = words(element).map(|words| words.machine)
             && machine.iter().any(Option::is_some)
         {
-            return self.to_machine(element, machine);
+            return self.machine_move(element, machine);
         }
         match &element.shape {
             Shape::Line { .. } => self.line(element, None),
@@ -271,7 +271,7 @@ impl<W: Write> ProgramWriter<W> {
     }
 
     /// A straight move to a position in the machine frame, m.
-    fn to_machine(
+    fn machine_move(
         &mut self,
         element: &PathElement,
         machine: [Option<f64>; 3],
@@ -325,7 +325,8 @@ impl<W: Write> ProgramWriter<W> {
         for (index, ((value, letter), slot)) in ends.zip(&mut to).enumerate() {
             let changes = read_back(value, decimals).to_bits() != slot.to_bits();
             let is_unknown = !self.known[index] || self.foreign[index];
-            if !changes && !forced.contains(&index) && !(named[index] && is_unknown) {
+            let is_needed = named[index] && is_unknown;
+            if !(changes || is_needed || forced.contains(&index)) {
                 continue;
             }
             if index > 2 && self.control != Control::GrblHal {
