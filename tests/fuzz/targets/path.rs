@@ -98,6 +98,7 @@ pub fn sampled(
 ) {
     let fastest = path.iter().map(|element| element.feed).fold(0.0, f64::max);
     let steady = !foreign && path.iter().all(is_steady);
+    let uneven = path.iter().map(|element| unevenness(&element.shape)).fold(1.0, f64::max);
     let end = path.last().map(PathElement::end);
     let elements = path.into_iter().map(Ok::<_, Box<dyn Error>>);
     let planned = LookAhead::new(CheckVelocities::new(elements, ANGLE_TOLERANCE));
@@ -124,11 +125,22 @@ pub fn sampled(
         assert!(setpoint.path_velocity <= factor * feed * (1.0 + 1e-8), "{setpoint:?}");
         if let (true, Some(before)) = (steady, before) {
             let way = (setpoint.position - before.position).norm();
-            let most = factor * fastest * f64::from(DEFAULT_CYCLE_NS.get()) * 1e-9;
+            let most = uneven * factor * fastest * f64::from(DEFAULT_CYCLE_NS.get()) * 1e-9;
             let rounding = 1e-9 * (1.0 + setpoint.position.coords.norm());
             assert!(way <= most * 1.01 + rounding, "{way} m in one cycle, {setpoint:?}");
         }
         before = Some(setpoint);
+    }
+}
+
+/// Largest velocity along a shape for a path velocity of 1: the length of an arc whose radii differ is that of its mean radius.
+fn unevenness(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Arc(arc) => {
+            let (start, end) = (arc.radius(), arc.end_radius());
+            start.max(end) / start.midpoint(end)
+        }
+        _ => 1.0,
     }
 }
 
