@@ -165,7 +165,7 @@ pub fn check_watched(
             matches!(finding.rule, Rule::Syntax | Rule::UnsupportedWord | Rule::ArcGeometry);
         of_text && finding.severity == Severity::Error
     };
-    if outcome.findings.iter().any(unread) {
+    if program.dialect() == Dialect::Rs274 && outcome.findings.iter().any(unread) {
         outcome.findings.retain(|one| one.rule != Rule::Gap || one.severity != Severity::Note);
     }
     let plans = limits == Limits::Axes && program.dialect() != Dialect::Job;

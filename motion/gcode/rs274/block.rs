@@ -379,7 +379,7 @@ impl Block {
         if m != 98 {
             return Ok((0, 0));
         }
-        let program = self.whole(Letter::P, 0)?;
+        let program = self.whole_within(Letter::P, 0, MAX_PROGRAM)?;
         let program = program.ok_or(DecodeError::from(FlowError::MissingProgram))?;
         Ok((program, self.whole(Letter::L, 0)?.unwrap_or(1)))
     }
@@ -408,12 +408,16 @@ impl Block {
     /// # Errors
     /// [`DecodeError::NotWhole`] and [`DecodeError::OutOfRange`].
     pub(super) fn whole(&self, letter: Letter, min: u32) -> Result<Option<u32>, DecodeError> {
+        self.whole_within(letter, min, MAX_COUNT)
+    }
+
+    fn whole_within(&self, letter: Letter, min: u32, max: f64) -> Result<Option<u32>, DecodeError> {
         let Some(value) = self.get(letter) else { return Ok(None) };
         let (name, rounded) = (letter.as_char(), value.round());
         if (value - rounded).abs() > WHOLE {
             return Err(DecodeError::NotWhole { letter: name, value });
         }
-        let (min, max) = (f64::from(min), MAX_COUNT);
+        let min = f64::from(min);
         if !(min..=max).contains(&rounded) {
             return Err(DecodeError::OutOfRange { letter: name, value, min, max, unit: "" });
         }
@@ -433,6 +437,9 @@ impl Block {
         self.whole(letter, min).map_err(|error| Problem { columns: self.columns(letter), error })
     }
 }
+
+/// The largest P of M98: Fanuc's has the number of calls in it.
+const MAX_PROGRAM: f64 = 99_999_999.0;
 
 /// The largest number of tools, turns and repetitions.
 const MAX_COUNT: f64 = 1e6;

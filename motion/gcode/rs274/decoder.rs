@@ -3,7 +3,7 @@
 use super::block::{Block, Letter};
 use super::control;
 use super::error::{DecodeError, Failure, Item, Problem};
-use super::flow::{Effect, Flow, FlowError, Keyword, Statement};
+use super::flow::{Effect, Flow, FlowError, Keyword, Label, Statement};
 use super::leniency::Leniency;
 use super::lexer::{self, Lexer};
 use super::options::{DecoderOptions, PathMode, Position};
@@ -48,6 +48,8 @@ pub struct Decoder<R> {
     /// That of the last line.
     pub(super) block: Block,
     problems: Vec<Problem>,
+    /// Labels of loops and conditions whose values could not be read.
+    unread: Vec<Label>,
     pub(super) state: State,
     pub(super) out: Output,
 }
@@ -68,6 +70,7 @@ impl<R: BufRead> Decoder<R> {
             last: Place::default(),
             block: Block::default(),
             problems: Vec::new(),
+            unread: Vec::new(),
             state: State::new(options),
             out: Output::default(),
         }
@@ -173,8 +176,8 @@ impl<R: BufRead> Decoder<R> {
 
     /// Says what the control does with a line of %.
     fn note_percent(&mut self) {
-        if let Some(meant) = self.state.control {
-            control::check(meant, b"%", &Block::default(), None, &self.state, &mut self.out);
+        if let Some(control) = self.state.control {
+            control::check(control, b"%", &Block::default(), None, &self.state, &mut self.out);
         }
     }
 
@@ -226,14 +229,21 @@ impl<R: BufRead> Decoder<R> {
         if let Some(control) = self.state.numbers_of {
             control.translate(&mut self.block, self.state.motion);
         }
-        if let Some(meant) = self.state.control.filter(|_| self.problems.is_empty()) {
+        if let Some(control) = self.state.control.filter(|_| self.problems.is_empty()) {
             let keyword = flow.as_ref().map(|(_, keyword, _)| *keyword);
-            control::check(meant, line, &self.block, keyword, &self.state, &mut self.out);
+            control::check(control, line, &self.block, keyword, &self.state, &mut self.out);
         }
         if let Some((label, keyword, values)) = flow {
-            match Lexer::new(line, values, &self.state).statement(label, keyword) {
+            match Lexer::new(line, values, &self.state).statement(label.clone(), keyword) {
                 Ok(statement) => self.follow(statement, at),
-                Err(problem) => self.problems.push(problem),
+                Err(Problem { columns, error }) => {
+                    self.out.error(columns, error);
+                    if matches!(keyword, Keyword::EndSub | Keyword::Return) {
+                        self.follow(Statement::untested(label, keyword), at);
+                    } else {
+                        self.unread.push(label);
+                    }
+                }
             }
         }
         if self.problems.is_empty() {
@@ -254,7 +264,7 @@ impl<R: BufRead> Decoder<R> {
         }
         self.state.recover(&self.block, &mut self.out);
         if unread {
-            self.state.doubt();
+            self.state.mark_uncertain();
         }
         self.ended = matches!(self.block.m.stop, Some(2 | 30));
     }
@@ -323,6 +333,9 @@ impl<R: BufRead> Decoder<R> {
         (self.begun, self.under_way) = (true, true);
         match self.flow.execute(statement, at) {
             Ok(effect) => self.apply(effect),
+            // Its beginning is the error.
+            Err(FlowError::NotOpen(.., label))
+                if self.unread.iter().any(|unread| unread.to_string() == label) => {}
             Err(error) => {
                 self.ended = matches!(error, FlowError::Endless(_) | FlowError::TooDeep(_));
                 self.out.error(None, error.into());

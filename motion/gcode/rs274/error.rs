@@ -505,7 +505,7 @@ impl DecodeError {
 
 impl DecodeError {
     /// True if it may only be one of where an arc begins.
-    pub(super) fn is_of_start(&self) -> bool {
+    pub(super) fn depends_on_start(&self) -> bool {
         matches!(
             self,
             Self::CenterMismatch { .. }

@@ -22,7 +22,7 @@
 //!
 //! Values are numbers, parameters (`#1`, `#<name>`), functions and expressions in brackets; see `expression.rs` and
 //! `parameters.rs`. O words are loops, conditions and subroutines, also in files of
-//! [`DecoderOptions::subroutine_folders`], and M98 calls subroutines that end with M99; see `flow.rs`. Loops without end
+//! [`DecoderOptions::subroutine_folders`], and M98 calls subroutines that end with M99; see `flow/mod.rs`. Loops without end
 //! are errors ([`FlowLimits`]). Lines that may be executed again are kept in memory, those of other programs are not.
 //! Messages (MSG, DEBUG, PRINT, ...) are notes with their text and are not carried out. Elements of a subroutine file
 //! have the line of the call.

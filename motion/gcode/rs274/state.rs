@@ -602,7 +602,7 @@ impl State {
     }
 }
 
-/// The axes that a block names; a canned cycle names the normal of its plane too.
+/// The axes that a block names; a canned cycle names the normal of its plane too, a thread X, Y and Z.
 fn words_of(block: &Block, motion: Option<Motion>, axes: [Axis; 3]) -> Words {
     let [.., normal] = axes;
     let letters = block.letters();
@@ -611,6 +611,7 @@ fn words_of(block: &Block, motion: Option<Motion>, axes: [Axis; 3]) -> Words {
         Letter::AXES.get(axis).is_some_and(|letter| letters.contains(*letter))
             || (polar && axis < 2)
             || (matches!(motion, Some(Motion::Cycle(_))) && axis == normal.index)
+            || (matches!(motion, Some(Motion::Thread(_))) && axis < 3)
     };
     Words { named: std::array::from_fn(names), ..Words::default() }
 }

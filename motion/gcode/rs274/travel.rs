@@ -101,7 +101,7 @@ impl State {
         } else {
             self.target(block, self.relative)?
         };
-        self.be_certain(block);
+        self.mark_known(block);
         if self.is_compensated() {
             return self.compensate_line(motion, block, to, out);
         }
@@ -126,9 +126,9 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         self.check_exit(false)?;
-        let from_doubt = self.uncertain;
+        let uncertain = self.uncertain;
         let to = self.target(block, self.relative)?;
-        self.be_certain(block);
+        self.mark_known(block);
         match self.arc(clockwise, block, &to, out) {
             Ok(shape) => self.follow_arc(shape, block, to, out),
             Err(problem) => {
@@ -136,8 +136,8 @@ impl State {
                 self.interrupt_compensation(out);
                 self.location = to;
                 let [first, second, _] = self.axes().map(|axis| axis.letter);
-                let in_doubt = from_doubt.meets(Letters::of(&[first, second]));
-                if in_doubt && problem.error.is_of_start() { Ok(()) } else { Err(problem) }
+                let in_doubt = uncertain.meets(Letters::of(&[first, second]));
+                if in_doubt && problem.error.depends_on_start() { Ok(()) } else { Err(problem) }
             }
         }
     }
@@ -291,7 +291,13 @@ impl State {
 
     /// Lets the path go on where a block that cannot be executed was meant to end, as far as that is known.
     pub(super) fn recover(&mut self, block: &Block, out: &mut Output) {
-        let of_block = block.g.motion.unwrap_or(self.motion);
+        let radius = self.diameters.then(|| block.with_radius());
+        let block = radius.as_ref().unwrap_or(block);
+        let polar = block.letters().meets(Letters::POLAR).then(|| self.without_polar(block));
+        let cartesian = polar.and_then(Result::ok);
+        let block = cartesian.as_ref().unwrap_or(block);
+        let assumed = if self.motion_given { self.motion } else { Motion::Rapid };
+        let of_block = block.g.motion.unwrap_or(assumed);
         let to = match (block.g.one_shot, of_block) {
             (Some(OneShot::MachineFrame), _) => self.machine_target(block),
             (Some(OneShot::Dwell) | None, Motion::Cycle(_)) => {
@@ -316,14 +322,14 @@ impl State {
     }
 
     /// The positions that a block names are known.
-    pub(super) fn be_certain(&mut self, block: &Block) {
+    pub(super) fn mark_known(&mut self, block: &Block) {
         if self.uncertain != Letters::default() && !self.relative {
             self.uncertain = self.uncertain.without(block.letters());
         }
     }
 
     /// Doubts where the axes are, behind a block that could not be read.
-    pub(super) fn doubt(&mut self) {
+    pub(super) fn mark_uncertain(&mut self) {
         self.uncertain = self.uncertain.with(Letters::LINEAR);
     }
 

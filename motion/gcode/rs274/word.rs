@@ -352,7 +352,7 @@ pub(super) struct MWords {
 /// First and last number of M words, their group, and where a block keeps the number.
 type MWord = (u16, u16, MGroup, fn(&mut MWords) -> &mut Option<u16>);
 
-/// The M words, of which the first counts that fits. M98 and M99 are those of `flow.rs`.
+/// The M words, of which the first counts that fits. M98 and M99 are those of `flow/mod.rs`.
 #[rustfmt::skip]
 const M_WORDS: [MWord; 12] = [
     ( 0,  2, MGroup::Stop,       |m| &mut m.stop),

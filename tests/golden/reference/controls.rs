@@ -31,14 +31,14 @@ Versions: LinuxCNC 2.9, grbl 1.1h, grblHAL 1.1f and FluidNC 3.9 as their sources
 |---|---|---|---|---|---|---|---|---|
 ";
 
-fn sign(of: Option<Cell>) -> String {
-    let Some(Cell { reading, certain, .. }) = of else { return "?".to_owned() };
+fn sign(Cell { reading, certain, .. }: Cell) -> String {
     let sign = match reading {
         Reading::Same => "+",
         Reading::Refused => "-",
         Reading::PassedOver => "o",
         Reading::Different => "~",
         Reading::Followed => "=",
+        Reading::Unknown => "?",
     };
     format!("{}{sign}", if certain { "" } else { "?" })
 }

@@ -55,7 +55,7 @@ pub(super) struct Arguments {
     read: ReadOptions,
 
     /// Control that an RS274 program was written for, with --format rs274, where --for is the control that shall read the result:
-    /// its G4, M98, G70 and G71, and its F with rotary axes count [default: `control` of [rs274] in the machine file]
+    /// its G4, M98, G70 and G71, and its F with rotary axes count [default: `control` of [rs274] in the machine file, or that of --for]
     #[arg(long, value_name = "CONTROL", value_parser = controls())]
     from: Option<Control>,
 
@@ -181,7 +181,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if format == Format::Rs274 {
         // It reads what is written, not the source.
         control = settings.control.take();
-        conditions.rs274.numbers_of = arguments.from.or(conditions.rs274.control);
+        conditions.rs274.numbers_of = arguments.from.or(conditions.rs274.control).or(control);
         (conditions.rs274.control, conditions.rs274.keep_words) = (None, true);
     } else if arguments.from.is_some() {
         let message = "--from has no effect without --format rs274; --for says what the program is";

@@ -166,6 +166,7 @@ impl fmt::Display for ControlFinding {
             (Reading::Different | Reading::Same | Reading::Followed, reason) => {
                 write!(f, "{control} {probably}reads {word} differently: {reason}")
             }
+            (Reading::Unknown, _) => write!(f, "it is not known what {control} does with {word}"),
             (Reading::PassedOver, "") => write!(f, "{control} {probably}passes over {word}"),
             (Reading::PassedOver, reason) => {
                 write!(f, "{control} {probably}passes over {word}: {reason}")

@@ -20,6 +20,8 @@ pub enum Reading {
     Different,
     /// Something else, which the decoder does too if it reads for this control.
     Followed,
+    /// Nobody has found out.
+    Unknown,
 }
 
 /// A cell of the table.
@@ -38,8 +40,8 @@ pub struct Cell {
 pub struct ControlWord {
     /// A word such as `G81`, words such as `G54-G59`, or what a program may contain.
     pub word: &'static str,
-    /// For each control in the order of [`Control::ALL`]; none if it is unknown.
-    pub cells: [Option<Cell>; Control::ALL.len()],
+    /// For each control in the order of [`Control::ALL`].
+    pub cells: [Cell; Control::ALL.len()],
     /// What LinuxCNC does with it.
     pub meaning: &'static str,
     /// How to write it for controls that refuse it; empty if unknown. [`Self::PATH`] if `twin path` writes a program without it.
@@ -53,9 +55,10 @@ impl ControlWord {
     fn of_line(line: &'static str) -> Option<Self> {
         let mut fields = line.split('\t');
         let word = fields.next()?;
-        let mut cells = [None; Control::ALL.len()];
+        let mut cells =
+            [Cell { reading: Reading::Unknown, certain: true, reason: "" }; Control::ALL.len()];
         for cell in &mut cells {
-            *cell = Cell::of_text(fields.next()?);
+            *cell = Cell::of_text(fields.next()?)?;
         }
         Some(Self { word, cells, meaning: fields.next()?, rewrite: fields.next()? })
     }
@@ -63,7 +66,7 @@ impl ControlWord {
     /// The cell of a control.
     pub fn cell(&self, control: Control) -> Option<Cell> {
         let column = Control::ALL.iter().position(|other| *other == control)?;
-        *self.cells.get(column)?
+        self.cells.get(column).copied()
     }
 }
 
@@ -78,6 +81,7 @@ impl Cell {
             "o" => Reading::PassedOver,
             "~" => Reading::Different,
             "=" => Reading::Followed,
+            "?" => Reading::Unknown,
             _ => return None,
         };
         Some(Self { reading, certain, reason })

@@ -8,7 +8,7 @@ use crate::rs274::flow::Keyword;
 use crate::rs274::leniency::Leniency;
 use crate::rs274::output::Output;
 use crate::rs274::state::State;
-use crate::rs274::word::{Motion, OneShot};
+use crate::rs274::word::{Motion, OneShot, ToolLength};
 use std::ops::Range;
 use twin_path::Plane;
 
@@ -153,6 +153,11 @@ fn features(
         find(is(20.0), "G10 L20");
         find(block.get(Letter::P).is_some_and(|p| p > 6.5) && !is(1.0), "G10 with P7 to P9");
     }
+    let machine = block.g.one_shot == Some(OneShot::MachineFrame);
+    find(machine && motion == Motion::Line, "G53 with G1");
+    let others = Letters::AXES.without(Letters::of(&[Letter::Z]));
+    let direct = block.g.tool_length == Some(ToolLength::Direct);
+    find(direct && block.letters().meets(others), "G43.1 with other axes than Z");
     find(block.number.is_some_and(|number| number > 99_999), "N above 99999");
     find(block.number.is_some_and(|number| number > 10_000_000), "N above 10000000");
     let needs_n = control == Control::SoftMotion && !(block.is_empty() && keyword.is_none());

@@ -165,8 +165,13 @@ impl Flow {
         fits && search.label == *label
     }
 
-    /// The branch of a condition that needs no test: one has been executed.
+    /// A line that needs no value: a branch of a condition of which one has been executed, and the end of a subroutine
+    /// that is only defined.
     pub(super) fn is_decided(&self, label: &Label, keyword: Keyword) -> bool {
+        let defines = self.search.as_ref().is_some_and(|search| search.until == EndSub);
+        if keyword == EndSub && defines {
+            return true;
+        }
         let open = self.open.iter().rfind(|open| open.label == *label);
         keyword == ElseIf && open.is_some_and(|open| open.count > 0)
     }

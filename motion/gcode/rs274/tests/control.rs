@@ -19,12 +19,8 @@ fn every_row_is_read() {
     assert_eq!(CONTROL_WORDS.len(), text.lines().count() - 1);
     let words: BTreeSet<_> = CONTROL_WORDS.iter().map(|row| row.word).collect();
     assert_eq!(words.len(), CONTROL_WORDS.len(), "one is twice in it");
-    let cells = text.lines().skip(1).flat_map(|line| line.split('\t').skip(1).take(7));
-    let unknown = cells.filter(|cell| *cell == "?").count();
-    let known = CONTROL_WORDS.iter().flat_map(|row| row.cells).flatten().count();
-    assert_eq!(known + unknown, 7 * CONTROL_WORDS.len());
     for row in CONTROL_WORDS.iter() {
-        for cell in row.cells.into_iter().flatten() {
+        for cell in row.cells {
             let silent = matches!(cell.reading, Reading::Different | Reading::Followed);
             assert!(!(silent && cell.reason.is_empty()), "{row:?}");
         }
@@ -36,7 +32,7 @@ fn every_row_is_read() {
 fn every_word_is_found() {
     let long = format!("G1 X1 ({})", "-".repeat(300));
     let program = format!(
-        "%\nO100 (number)\n{long}\nN99999999 G21 ; comment\n/G0 X1\nG2 X3 I1 K4 F100\nG2 X9 R-4\nG0 X0 Y0\nG2 X10 I5.01\nG2 I1 P2\nG18 G2 X1 Z1 R3\nG19 G2 Y1 Z1 R3\nG17 G4 P.5\nG10 L1 P1 R1\nG10 L2 P1 X0\nG10 L2 P7 R0\nG10 L10 P1\nG10 L11 P1\nG10 L20 P2\nG81 X1 Z-1 R2 L2\nM3 M8 S100\nM10\n#1=[1+2]\n#<x>=1\n@1^2 G0\no1 sub\no1 endsub\no2 if [1]\no2 endif\no3 while [0]\no3 endwhile\n%\n"
+        "%\nO100 (number)\n{long}\nN99999999 G21 ; comment\n/G0 X1\nG2 X3 I1 K4 F100\nG2 X9 R-4\nG0 X0 Y0\nG2 X10 I5.01\nG2 I1 P2\nG18 G2 X1 Z1 R3\nG19 G2 Y1 Z1 R3\nG17 G4 P.5\nG10 L1 P1 R1\nG10 L2 P1 X0\nG10 L2 P7 R0\nG10 L10 P1\nG10 L11 P1\nG10 L20 P2\nG81 X1 Z-1 R2 L2\nG53 G1 X0\nG43.1 X1\nM3 M8 S100\nM10\n#1=[1+2]\n#<x>=1\n@1^2 G0\no1 sub\no1 endsub\no2 if [1]\no2 endif\no3 while [0]\no3 endwhile\n%\n"
     );
     let found: BTreeSet<String> = Control::ALL
         .into_iter()
@@ -132,6 +128,8 @@ fn numbers_that_mean_something_else() {
     let both = |control| decode_for(control, "F60 G1 X3 A4\nM2")[0].feed;
     assert!((both(Control::FluidNc) - 0.6e-3).abs() < 1e-12);
     assert_eq!(both(Control::Grbl), 1e-3);
+    let hundred = decode_for(Control::Fanuc, "G91\nM98 P1000100\nM2\nO100\nG0 X1.\nM99\n");
+    assert_eq!(hundred.len(), 100);
     let program = "G91\nM98 P30200\nM2\nO200\nG0 X1\nM99\n";
     assert_eq!(ends(&decode_for(Control::Fanuc, program)), "1 0 0 | 2 0 0 | 3 0 0");
 }

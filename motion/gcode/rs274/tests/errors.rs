@@ -181,3 +181,30 @@ fn arcs_behind_a_block_that_cannot_be_read() {
         assert_eq!(decoded.errors.len(), 2, "{fault}: {:?}", decoded.errors);
     }
 }
+
+/// A loop or condition that cannot be read is one error; its end is none.
+#[test]
+fn statements_that_cannot_be_read() {
+    for program in [
+        "o1 if [#1 FOO 2]\nG0 X1\no1 else\nG0 X2\no1 endif\nM2",
+        "o1 while [1 FOO]\nG0 X1\no1 endwhile\nM2",
+        "o1 repeat\nG0 X1\no1 endrepeat\nM2",
+        "o<s> sub\nG0 X1\no<s> endsub [1/0]\no<s> call\nM2",
+    ] {
+        assert_eq!(decode(program).errors.len(), 1, "{program}: {:?}", decode(program).errors);
+    }
+}
+
+/// Radii, polar coordinates and the assumed G0 count behind an error too.
+#[test]
+fn ends_of_faulty_blocks() {
+    for (program, ends_at) in [
+        ("G0 X2\nG7 G1 F9 X20 H5\nG8 G0 Y1\nM2", [10.0, 1.0, 0.0]),
+        ("G0 X1\n@20 ^90 H1\nG0 Z1\nM2", [0.0, 20.0, 1.0]),
+        ("X10 H1\nG0 Z1\nM2", [10.0, 0.0, 1.0]),
+    ] {
+        let decoded = super::decode(program);
+        assert_eq!(decoded.errors.len(), 1, "{program}");
+        assert_eq!(ends_mm(&decoded.elements).last(), Some(&ends_at), "{program}");
+    }
+}

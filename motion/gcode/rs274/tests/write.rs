@@ -344,7 +344,7 @@ fn din_66025_is_written_too() {
         })
         .collect();
     let text = write_for(Control::Grbl, &path).unwrap();
-    let expected = "G0 Z0\nX5 Y5\nX10 Y10\nG1 X20 F1200\nG2 X40 Y10 I10 J0\nM3 S90\nM2\n";
+    let expected = "(begins at X5 Y5 Z0)\nG0 Z0\nX5 Y5\nX10 Y10\nG1 X20 F1200\nG2 X40 Y10 I10 J0\nM3 S90\nM2\n";
     assert_eq!(text, format!("{HEADER}{expected}"));
 }
 
@@ -516,11 +516,24 @@ fn positions_that_blocks_name_are_written() {
     for (program, expected) in [
         ("G0 Z20\nG0 X0 Y0\nG0 Z2\nG1 Z-1 F100\nX0\nM2", "G0 Z20\nX0 Y0\nZ2\nG1 Z-1 F100\n"),
         ("G81 X0 Y0 Z-1 R1 F60\nM2", "G0 Z1\nX0 Y0\nG1 Z-1 F60\nG0 Z1\n"),
-        // A number of G91 is no position.
-        ("G91 G0 X0 Z5\nM2", "G0 Z5\n"),
     ] {
         assert_eq!(rewritten(Control::Grbl, program), expected, "{program}");
     }
+}
+
+/// A number of G91 is no position.
+#[test]
+fn moves_from_unknown_positions_are_refused() {
+    for program in ["G91 G0 Z5\nM2", "G53 G0 Z0\nG91 G0 Z5\nM2", "G28\nG91 G1 F60 X1\nM2"] {
+        let error = write_for(Control::Grbl, &with_speeds(program)).unwrap_err().to_string();
+        assert!(error.contains("a move by G91 from a position that no block has named"), "{error}");
+    }
+    // Other paths of DIN 66025 have M functions that end a program of RS274.
+    let error = write_for(
+        Control::Grbl,
+        &[PathElement { kind: ElementKind::MFunction { number: 30 }, ..cut(line_to(0.0)) }],
+    );
+    assert!(error.unwrap_err().to_string().contains("cannot contain M30"));
 }
 
 /// Positions of the machine are G53: nobody knows where they are in the coordinates of the work.

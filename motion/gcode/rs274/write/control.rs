@@ -3,6 +3,7 @@
 //! Feeds: `planner.c` of grblHAL and FluidNC, and Fanuc's operator's manual of the series 15i (parameter HTG).
 
 use crate::rs274::control::{Control, Reading, row};
+use crate::rs274::word::MWords;
 
 impl Control {
     /// The lines before the first move: modes that the program relies on.
@@ -25,8 +26,11 @@ impl Control {
         let others = number.and_then(|_| row("other M words"));
         let cell = row(word).or(others)?.cell(self)?;
         // User functions are macros in LinuxCNC, too; others there are means something else.
-        let is_other = cell.reading == Reading::Different && number.is_some_and(|it| it > 30);
-        let is_macro = self == Self::Mach3 && number.is_some_and(|it| it >= 100);
+        let is_standard = |it| it < 10 || (it == 19 && self == Self::Fanuc);
+        let is_other =
+            cell.reading == Reading::Different && number.is_some_and(|it| !is_standard(it));
+        let is_macro =
+            self == Self::Mach3 && number.is_some_and(|it| it >= 100 || !MWords::knows(it));
         let refused = cell.reading == Reading::Refused || (is_other && !is_macro);
         refused.then_some(cell.reason)
     }

@@ -9,7 +9,7 @@ pub use error::WriteError;
 use super::Control;
 use super::arc::Ends;
 use super::options::LengthUnit;
-use crate::number::read_back;
+use crate::number::{read_back, text};
 use block::{Axes, Block};
 use nalgebra::Point3;
 use std::convert::Infallible;
@@ -238,6 +238,9 @@ impl<W: Write> ProgramWriter<W> {
             return Ok(());
         }
         let start = self.axes(element, false);
+        let [x, y, z, ..] = start.map(|value| text(value, self.control.decimals()));
+        let verb = if self.control == Control::Fanuc { "BEGINS AT" } else { "begins at" };
+        writeln!(self.out, "({verb} X{x} Y{y} Z{z})")?;
         let mut up = Block::new(element.place, self.control);
         up.push("G0");
         self.at[2] = up.number('Z', start[2], self.control.decimals())?;
@@ -278,6 +281,10 @@ impl<W: Write> ProgramWriter<W> {
     ) -> Result<(), WriteError> {
         self.check_word(element.place, "G53".to_owned())?;
         let number = u8::from(element.kind != ElementKind::Rapid);
+        if number == 1 && self.control == Control::Fanuc {
+            let what = "G53 with G1: Fanuc goes there at rapid";
+            return Err(WriteError::Inexpressible { place: element.place, what });
+        }
         let mut block = Block::new(element.place, self.control);
         block.push(&format!("G53 G{number}"));
         for (axis, (value, letter)) in machine.into_iter().zip("XYZ".chars()).enumerate() {
@@ -285,7 +292,14 @@ impl<W: Write> ProgramWriter<W> {
             block.number(letter, metres * 1e3, self.control.decimals())?;
             self.foreign[axis] = true;
         }
-        self.at = self.rounded(self.axes(element, true));
+        let to = self.rounded(self.axes(element, true));
+        let turned = to.into_iter().zip(self.at).zip("XYZABC".chars()).skip(3);
+        for ((angle, before), letter) in turned {
+            if angle.to_bits() != before.to_bits() {
+                block.number(letter, angle, self.control.decimals())?;
+            }
+        }
+        self.at = to;
         self.pace(&mut block, element)?;
         self.motion = Some(number);
         self.emit(&block)
@@ -325,6 +339,10 @@ impl<W: Write> ProgramWriter<W> {
         for (index, ((value, letter), slot)) in ends.zip(&mut to).enumerate() {
             let changes = read_back(value, decimals).to_bits() != slot.to_bits();
             let is_unknown = !self.known[index] || self.foreign[index];
+            if changes && is_unknown && !named[index] {
+                let what = "a move by G91 from a position that no block has named";
+                return Err(WriteError::Inexpressible { place: element.place, what });
+            }
             let is_needed = named[index] && is_unknown;
             if !(changes || is_needed || forced.contains(&index)) {
                 continue;
@@ -496,6 +514,10 @@ impl<W: Write> ProgramWriter<W> {
         if number == 61 && self.control.refusal("M61").is_some() {
             // Nothing moves: the tool is in the spindle already.
             return Ok(());
+        }
+        if matches!(number, 2 | 30 | 47 | 70..=73 | 98 | 99) {
+            let reason = "it would end the program, or go on elsewhere";
+            return Err(WriteError::Word { place, word, control: self.control, reason });
         }
         self.check_word(place, word.clone())?;
         let MParameters { mut k, l, o } = parameters;
