@@ -20,7 +20,7 @@ pub enum Reading {
     Different,
     /// Something else, which the decoder does too if it reads for this control.
     Followed,
-    /// Nobody has found out.
+    /// No source says.
     Unknown,
 }
 
