@@ -6,6 +6,7 @@ use crate::contact_solver::Row;
 use crate::distances::Near;
 use crate::joint::JointVector;
 use crate::surroundings::{Part, Surroundings};
+use crate::world::Touch;
 
 /// Contact force between two parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +55,10 @@ pub(super) struct ContactState {
     pub(super) touching: Vec<TouchingPair>,
     /// Contacts that have begun.
     pub(super) collisions: Vec<Collision>,
+    /// Mean velocities of the axes in the last cycle, m/s or rad/s.
+    pub(super) velocity: JointVector,
     /// Workspaces.
+    pub(super) touches: Vec<Touch>,
     pub(super) near: Vec<Near>,
     pub(super) rows: Vec<Row>,
 }
@@ -68,6 +72,8 @@ impl Default for ContactState {
             before: Vec::new(),
             touching: Vec::new(),
             collisions: Vec::new(),
+            velocity: JointVector::zeros(),
+            touches: Vec::new(),
             near: Vec::new(),
             rows: Vec::new(),
         }

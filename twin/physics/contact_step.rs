@@ -11,6 +11,8 @@
 //! A body that presses against another stays in place; one that hits another comes to rest in a step or two. Nearby
 //! pairs were found at the beginning of the cycle, as far as the machine may move in it.
 
+use nalgebra::Point3;
+
 use crate::contact::{Collision, Contact, ContactState, TouchingPair};
 use crate::contact_solver::{self, FreeStep, Row};
 use crate::distances::Near;
@@ -18,7 +20,7 @@ use crate::error::{PhysicsError, Result};
 use crate::joint::{JointMatrix, JointVector};
 use crate::machine::PhysicsMachine;
 use crate::state::{JointState, MachineState};
-use crate::surroundings::{Surroundings, YieldingTool};
+use crate::surroundings::{Part, Surroundings, YieldingTool};
 
 /// Axis displacement for the central differences of the gaps, m or rad: they are right to 1e-10.
 const NUDGE: f64 = 1e-6;
@@ -41,7 +43,7 @@ impl PhysicsMachine {
             return Err(PhysicsError::Input(self.state.time_ns));
         }
         self.contact.stiffness = stiffness;
-        self.world.insert(surroundings)
+        self.world.insert(surroundings, self.cycle)
     }
 
     /// Sets the parts without contact force against the tool.
@@ -73,6 +75,9 @@ impl PhysicsMachine {
         free: &MachineState,
         dt: f64,
     ) -> Result<MachineState> {
+        if self.world.is_stepped() {
+            return Ok(*free);
+        }
         if self.contact.near.is_empty() && self.contact.push == JointVector::zeros() {
             self.contact.touching.clear();
             return Ok(*free);
@@ -225,11 +230,22 @@ impl PhysicsMachine {
     /// Notes a point of contact that pushes with `force` (N) for a `part` of the cycle, and met with `speed` (m/s).
     fn note(&mut self, near: &Near, speed: f64, [force, part]: [f64; 2]) {
         let [Some(one), Some(other)] = near.parts.map(|part| self.world.part(part)) else { return };
-        let parts = if one <= other { [one, other] } else { [other, one] };
         let [first, second] = near.places(self.world.poses());
         let point = nalgebra::center(&first, &second);
         let depth = force / self.contact.stiffness;
-        let force = force * part;
+        self.note_parts([one, other], point, speed, [force * part, depth]);
+    }
+
+    /// Notes a contact at `point` (machine frame, m) that pushes with `force` (N, mean over the cycle) from a `depth`
+    /// (m), and met with `speed` (m/s).
+    pub(super) fn note_parts(
+        &mut self,
+        [one, other]: [Part; 2],
+        point: Point3<f64>,
+        speed: f64,
+        [force, depth]: [f64; 2],
+    ) {
+        let parts = if one <= other { [one, other] } else { [other, one] };
         let time_ns = self.state.time_ns.saturating_add(self.cycle_ns);
         let ContactState { contacts, before, collisions, .. } = &mut self.contact;
         let contact = if let Some(known) = contacts.iter_mut().find(|known| known.parts == parts) {

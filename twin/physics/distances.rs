@@ -140,6 +140,12 @@ impl Distances {
         farthest
     }
 
+    /// Largest displacement of any point between two sets of link poses, m.
+    pub(super) fn way(&self, from: &[Isometry3<f64>], to: &[Isometry3<f64>]) -> f64 {
+        let links = from.iter().zip(to).zip(&self.radii);
+        links.map(|((from, to), radius)| maths::way(from, to, *radius)).fold(0.0, f64::max)
+    }
+
     fn gone_by(&self, pair: &Pair) -> f64 {
         let gone = |number: usize| self.gone.get(self.parts.get(number)?.link);
         pair.parts.iter().filter_map(|number| gone(*number)).sum()
@@ -168,12 +174,18 @@ impl Distances {
         nearest
     }
 
-    /// Fills `near` with the pairs that may be within `reach` (m) with the links at `poses`.
+    /// Solids of each part in the frame of its link, with the number of that link.
+    pub(super) fn solids(&self) -> impl Iterator<Item = (usize, &[Placed])> {
+        self.parts.iter().map(|part| (part.link, part.solids.as_slice()))
+    }
+
+    /// Fills `near` with the pairs that may be within `reach` (m) with the links at `poses`, and a lower bound of
+    /// their distance.
     pub(super) fn within(
         &mut self,
         reach: f64,
         poses: &[Isometry3<f64>],
-        near: &mut Vec<[usize; 2]>,
+        near: &mut Vec<([usize; 2], f64)>,
     ) {
         near.clear();
         if self.least > reach {
@@ -192,7 +204,7 @@ impl Distances {
                 }
             }
             if least <= reach {
-                near.push(pair.parts);
+                near.push((pair.parts, least));
             }
             self.least = self.least.min(least);
         }

@@ -139,7 +139,7 @@ impl PhysicsMachine {
             power: axis_vector(&zero, drives.len()),
             saturated: [false; MAX_AXES],
         };
-        let world = RapierWorld::new(model, &equation, &position)?;
+        let world = RapierWorld::new(model, &equation, &armature, &position)?;
         let steps = steps_per_cycle(drives, &inertia, cycle);
         Ok(Self {
             trains,
@@ -237,9 +237,9 @@ impl PhysicsMachine {
         std::mem::take(&mut self.events)
     }
 
-    /// Poses of the links in the machine frame, in the order of [`Model::links`], as rapier's bodies have them.
+    /// Poses of the links in the machine frame, in the order of [`Model::links`].
     pub fn link_poses(&self) -> Vec<Isometry3<f64>> {
-        self.world.link_poses()
+        self.world.poses().to_vec()
     }
 }
 

@@ -2,12 +2,8 @@
 //!
 //! Conversions copy components without normalising or rounding.
 
-#[cfg(test)]
-use nalgebra::Matrix3;
-use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-#[cfg(test)]
-use rapier3d_f64::math::Matrix;
-use rapier3d_f64::math::{Pose, Rotation, Vector};
+use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use rapier3d_f64::math::{Matrix, Pose, Rotation, Vector};
 
 /// A direction, velocity or force.
 pub(super) fn vector_to_rapier(vector: &Vector3<f64>) -> Vector {
@@ -35,13 +31,18 @@ pub(super) fn pose_to_rapier(pose: &Isometry3<f64>) -> Pose {
 }
 
 /// An inertia tensor (both sides store columns).
-#[cfg(test)]
 pub(super) fn matrix_to_rapier(matrix: &Matrix3<f64>) -> Matrix {
     Matrix::from_cols(
         vector_to_rapier(&matrix.column(0).into_owned()),
         vector_to_rapier(&matrix.column(1).into_owned()),
         vector_to_rapier(&matrix.column(2).into_owned()),
     )
+}
+
+/// And back.
+pub(super) fn matrix_from_rapier(matrix: Matrix) -> Matrix3<f64> {
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    Matrix3::from_columns(&columns.map(vector_from_rapier))
 }
 
 /// A frame.

@@ -54,6 +54,7 @@ impl PhysicsMachine {
             mean_power += effort.component_mul(&velocity) / f64::from(self.steps);
             self.record(&joints, &effort, &velocity, dt);
         }
+        let joints = self.with_rapier(&joints)?;
         self.setpoint = *setpoint;
         self.finish_cycle(&joints, [&mean_effort, &mean_power], saturated)
     }
@@ -76,6 +77,7 @@ impl PhysicsMachine {
                 .ok_or(diverged)?;
             joints = self.with_contacts(&joints, &next, dt)?;
         }
+        let joints = self.with_rapier(&joints)?;
         let velocity = (joints.motors.position - self.joints.motors.position) / self.cycle;
         let power = effort.component_mul(&velocity);
         self.finish_cycle(&joints, [&effort, &power], [false; MAX_AXES])

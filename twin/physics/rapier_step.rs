@@ -1,0 +1,82 @@
+//! A cycle in which rapier takes the step: what contacts do to the axes.
+//!
+//! The equation of motion takes the axes from q to q₁, v₁ within the cycle of T, with the contact efforts τ of the
+//! cycle before. rapier gets the mean velocities of that motion without these efforts, and returns velocities that keep
+//! parts apart:
+//!
+//! ```text
+//! v* = (q₁ − q) / T        handed = v* − T·M⁻¹·τ        v = v₁ + (returned − v*)        τ' = M·(returned − handed) / T
+//! ```
+//!
+//! Nothing changes without contact: returned = v*. Momentum is exact in each cycle, and the efforts of a contact that
+//! lasts are those of the motors, whose springs and loops feel them within the cycle. A blow is over at the end of its
+//! cycle, and its effort must not go on: τ' is at most what keeps the velocities of the cycle before.
+
+use crate::contact::ContactState;
+use crate::error::{PhysicsError, Result};
+use crate::joint::JointVector;
+use crate::machine::PhysicsMachine;
+use crate::state::{JointState, MachineState};
+use crate::world::Touch;
+
+impl PhysicsMachine {
+    /// State at the end of a cycle that would end at `free` without new contacts.
+    pub(super) fn with_rapier(&mut self, free: &MachineState) -> Result<MachineState> {
+        if !self.world.is_stepped() {
+            return Ok(*free);
+        }
+        let from = self.joints.axes.position;
+        let to = free.axes.position;
+        let mean = (to - from) / self.cycle;
+        let before = std::mem::replace(&mut self.contact.velocity, mean);
+        let push = std::mem::replace(&mut self.contact.push, JointVector::zeros());
+        let unsolved = PhysicsError::Contact(self.state.time_ns);
+        let mut handed = mean;
+        if push != JointVector::zeros() {
+            let inertia = self.equation.inertia(&to).ok_or(PhysicsError::Apart)?;
+            handed -= inertia.cholesky().ok_or(unsolved)?.solve(&push) * self.cycle;
+        }
+        let mut touches = std::mem::take(&mut self.contact.touches);
+        let stepped = self.world.step([&from, &to, &handed], &mut touches);
+        for touch in &touches {
+            self.note_touch(touch);
+        }
+        let touched = !touches.is_empty();
+        self.contact.touches = touches;
+        let Some([position, velocity]) = stepped?.filter(|_| touched) else { return Ok(*free) };
+
+        let inertia = self.equation.inertia(&to).ok_or(PhysicsError::Apart)?;
+        let factors = inertia.cholesky().ok_or(unsolved)?;
+        let size = |effort: &JointVector| effort.dot(&factors.solve(effort)).sqrt();
+        let by_contact = inertia * (velocity - handed) / self.cycle;
+        let keeping = inertia * (before - handed) / self.cycle;
+        let part = size(&keeping) / size(&by_contact);
+        self.contact.push = by_contact * if part < 1.0 { part } else { 1.0 };
+        self.contact.velocity = velocity;
+
+        let axes = JointState { position, velocity: free.axes.velocity + velocity - mean };
+        let mut motors = axes;
+        let slots = motors.position.iter_mut().zip(motors.velocity.iter_mut());
+        let known = free.motors.position.iter().zip(&free.motors.velocity);
+        for ((position, velocity), (known, train)) in slots.zip(known.zip(&self.trains)) {
+            if train.elastic.is_some() {
+                (*position, *velocity) = (*known.0, *known.1);
+            }
+        }
+        Ok(MachineState { axes, motors })
+    }
+
+    fn note_touch(&mut self, touch: &Touch) {
+        let [Some(one), Some(other)] = touch.numbers.map(|number| self.world.part(number)) else {
+            return;
+        };
+        let ContactState { stiffness, .. } = &self.contact;
+        let _ = stiffness;
+        self.note_parts(
+            [one, other],
+            touch.point,
+            touch.speed,
+            [touch.impulse / self.cycle, touch.depth],
+        );
+    }
+}
