@@ -258,7 +258,8 @@ impl PhysicsMachine {
             contacts.push(contact);
             contact
         };
-        if before.iter().any(|contact| contact.parts == parts) {
+        let loose = parts.iter().any(|part| matches!(part, Part::Body(_)));
+        if loose || before.iter().any(|contact| contact.parts == parts) {
             return;
         }
         let begun =

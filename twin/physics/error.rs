@@ -29,6 +29,7 @@ impl fmt::Display for Subject {
             Self::Link(link) | Self::Part(Part::Link(link)) => write!(f, "link {link}"),
             Self::Part(Part::Tool) => f.write_str("the tool"),
             Self::Part(Part::Obstacle(obstacle)) => write!(f, "obstacle {obstacle}"),
+            Self::Part(Part::Body(body)) => write!(f, "body {body}"),
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Events of the simulated machine: lost steps, overload, limit switches, brakes, faults.
+//! Events of the simulated machine: lost steps, overload, limit switches, brakes, faults, and what happens to loose
+//! bodies.
 
 use crate::side::Side;
 
@@ -44,4 +45,76 @@ pub enum Fault {
     },
     /// The drive has no power any more; its brake, if there is one, closes.
     PowerLoss,
+}
+
+/// Something that happened to a loose body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyEvent {
+    /// End of the cycle in which it did, ns since the machine was made.
+    pub time_ns: i64,
+    /// Its kind.
+    pub kind: BodyEventKind,
+}
+
+/// Kinds of events of loose bodies; bodies and grippers by their places in [`crate::Surroundings`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BodyEventKind {
+    /// A gripper closed and holds a body.
+    Gripped {
+        /// The gripper.
+        gripper: usize,
+        /// The body.
+        body: usize,
+    },
+    /// A gripper closed, and no body was within its reach.
+    Missed {
+        /// The gripper.
+        gripper: usize,
+    },
+    /// A gripper opened.
+    Released {
+        /// The gripper.
+        gripper: usize,
+        /// The body.
+        body: usize,
+    },
+    /// A load was larger than a gripper holds.
+    Lost {
+        /// The gripper.
+        gripper: usize,
+        /// The body.
+        body: usize,
+        /// Its cause.
+        cause: LossCause,
+        /// Force (N) and moment (Nm) at the gripper.
+        load: [f64; 2],
+    },
+    /// A load was larger than a clamp holds.
+    ClampGaveWay {
+        /// The body.
+        body: usize,
+        /// N.
+        force: f64,
+    },
+    /// The machine pushed a body from its place.
+    Moved {
+        /// The body.
+        body: usize,
+        /// What pushed it.
+        by: crate::Part,
+    },
+    /// A body fell below everything that could carry it.
+    Dropped {
+        /// The body.
+        body: usize,
+    },
+}
+
+/// Cause of the loss of a gripped body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LossCause {
+    /// Its weight and its acceleration.
+    Acceleration,
+    /// It touched something.
+    Collision,
 }

@@ -81,6 +81,7 @@ mod joint;
 mod linear;
 mod linkage;
 mod load;
+mod loose;
 mod machine;
 mod maths;
 mod multibody;
@@ -123,13 +124,16 @@ pub use drive::{
     SwitchStates,
 };
 pub use error::{PhysicsError, Result, Subject};
-pub use event::{EventKind, Fault, PhysicsEvent};
+pub use event::{BodyEvent, BodyEventKind, EventKind, Fault, LossCause, PhysicsEvent};
 pub use friction::FrictionParameters;
 pub use load::{MotorLoad, MotorState};
 pub use machine::{AxisState, PhysicsMachine};
 pub use noise::NoiseParameters;
 pub use side::Side;
-pub use surroundings::{Obstacle, ObstacleKind, Part, Surroundings, YieldingTool};
+pub use solids::uniform_inertial;
+pub use surroundings::{
+    Body, Gripper, Material, Obstacle, ObstacleKind, Part, Surface, Surroundings, YieldingTool,
+};
 pub use transmission::ElasticTransmission;
 
 use equation::Equation;

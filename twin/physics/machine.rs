@@ -11,7 +11,7 @@ use crate::drive::{
 };
 use crate::equation::Equation;
 use crate::error::{PhysicsError, Result};
-use crate::event::PhysicsEvent;
+use crate::event::{BodyEvent, PhysicsEvent};
 use crate::joint::{JointVector, axis_vector, joint_vector};
 use crate::load::{LoadSums, MotorLoad, MotorState};
 use crate::state::{Elastic, JointState, MachineState, Train};
@@ -46,6 +46,7 @@ pub struct PhysicsMachine {
     pub(super) homed: JointVector,
     pub(super) loads: [LoadSums; MAX_AXES],
     pub(super) events: Vec<PhysicsEvent>,
+    pub(super) body_events: Vec<BodyEvent>,
     pub(super) contact: ContactState,
     /// At the end of the last cycle.
     pub(super) setpoint: AxisMotion,
@@ -139,7 +140,7 @@ impl PhysicsMachine {
             power: axis_vector(&zero, drives.len()),
             saturated: [false; MAX_AXES],
         };
-        let world = RapierWorld::new(model, &equation, &armature, &position)?;
+        let world = RapierWorld::new(model, &equation, (&armature, gravity), &position)?;
         let steps = steps_per_cycle(drives, &inertia, cycle);
         Ok(Self {
             trains,
@@ -153,6 +154,7 @@ impl PhysicsMachine {
             homed,
             loads: [LoadSums::default(); MAX_AXES],
             events: Vec::new(),
+            body_events: Vec::new(),
             contact: ContactState::default(),
             setpoint: AxisMotion::at_rest(*initial),
             state,
@@ -235,6 +237,33 @@ impl PhysicsMachine {
     /// Takes the events since the last call.
     pub fn take_events(&mut self) -> Vec<PhysicsEvent> {
         std::mem::take(&mut self.events)
+    }
+
+    /// Poses of the loose bodies in the machine frame, in the order of [`crate::Surroundings::bodies`]; none of a tripod.
+    pub fn body_poses(&self) -> Vec<Isometry3<f64>> {
+        self.world.body_poses()
+    }
+
+    /// Closes or opens the gripper of this place in [`crate::Surroundings::grippers`]. What comes of it is an event.
+    pub fn grip(&mut self, gripper: usize, close: bool) {
+        let time_ns = self.state.time_ns;
+        let event = self.world.grip(gripper, close);
+        self.body_events.extend(event.map(|kind| BodyEvent { time_ns, kind }));
+    }
+
+    /// The body that a gripper holds, by its place in [`crate::Surroundings::bodies`].
+    pub fn held_by(&self, gripper: usize) -> Option<usize> {
+        self.world.loose()?.held_by(gripper)
+    }
+
+    /// Force (N) and moment (Nm) at a gripper in the last cycle; 0 if it holds nothing.
+    pub fn gripper_load(&self, gripper: usize) -> [f64; 2] {
+        self.world.loose().map_or([0.0; 2], |loose| loose.load(gripper))
+    }
+
+    /// Takes what has happened to loose bodies since the last call.
+    pub fn take_body_events(&mut self) -> Vec<BodyEvent> {
+        std::mem::take(&mut self.body_events)
     }
 
     /// Poses of the links in the machine frame, in the order of [`Model::links`].

@@ -22,12 +22,17 @@ impl Pairs {
             parts.push((Part::Tool, model.tip.link));
         }
         parts.extend((0..surroundings.obstacles.len()).map(|index| (Part::Obstacle(index), 0)));
+        parts.extend((0..surroundings.bodies.len()).map(|index| (Part::Body(index), 0)));
         let groups = Groups::of(model);
         let among =
             |one: usize, other: usize| surroundings.among_links && !groups.are_joined(one, other);
         let may_touch = parts.iter().flat_map(|one| parts.iter().map(move |other| [one, other]));
         let may_touch = may_touch.map(|[(one, link), (other, other_link)]| {
             let obstacles = [one, other].map(|part| matches!(part, Part::Obstacle(_)));
+            // Distances of loose bodies are found by rapier alone.
+            if [one, other].iter().any(|part| matches!(part, Part::Body(_))) {
+                return false;
+            }
             let moves = |link: usize| groups.moves(link);
             let possible = match obstacles {
                 [true, true] => false,

@@ -12,12 +12,11 @@
 //! lasts are those of the motors, whose springs and loops feel them within the cycle. A blow is over at the end of its
 //! cycle, and its effort must not go on: τ' is at most what keeps the velocities of the cycle before.
 
-use crate::contact::ContactState;
 use crate::error::{PhysicsError, Result};
+use crate::event::BodyEvent;
 use crate::joint::JointVector;
 use crate::machine::PhysicsMachine;
 use crate::state::{JointState, MachineState};
-use crate::world::Touch;
 
 impl PhysicsMachine {
     /// State at the end of a cycle that would end at `free` without new contacts.
@@ -37,13 +36,17 @@ impl PhysicsMachine {
             handed -= inertia.cholesky().ok_or(unsolved)?.solve(&push) * self.cycle;
         }
         let mut touches = std::mem::take(&mut self.contact.touches);
-        let stepped = self.world.step([&from, &to, &handed], &mut touches);
+        let mut happened = Vec::new();
+        let cycle = self.cycle;
+        let stepped = self.world.step([&from, &to, &handed], cycle, (&mut touches, &mut happened));
         for touch in &touches {
-            self.note_touch(touch);
+            let load = [touch.impulse / cycle, touch.depth];
+            self.note_parts(touch.parts, touch.point, touch.speed, load);
         }
-        let touched = !touches.is_empty();
         self.contact.touches = touches;
-        let Some([position, velocity]) = stepped?.filter(|_| touched) else { return Ok(*free) };
+        let time_ns = self.state.time_ns.saturating_add(self.cycle_ns);
+        self.body_events.extend(happened.into_iter().map(|kind| BodyEvent { time_ns, kind }));
+        let Some([position, velocity]) = stepped? else { return Ok(*free) };
 
         let inertia = self.equation.inertia(&to).ok_or(PhysicsError::Apart)?;
         let factors = inertia.cholesky().ok_or(unsolved)?;
@@ -64,19 +67,5 @@ impl PhysicsMachine {
             }
         }
         Ok(MachineState { axes, motors })
-    }
-
-    fn note_touch(&mut self, touch: &Touch) {
-        let [Some(one), Some(other)] = touch.numbers.map(|number| self.world.part(number)) else {
-            return;
-        };
-        let ContactState { stiffness, .. } = &self.contact;
-        let _ = stiffness;
-        self.note_parts(
-            [one, other],
-            touch.point,
-            touch.speed,
-            [touch.impulse / self.cycle, touch.depth],
-        );
     }
 }

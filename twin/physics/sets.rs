@@ -12,6 +12,9 @@ use crate::maths;
 const CONTACT: SpringCoefficients<f64> =
     SpringCoefficients { natural_frequency: 1000.0, damping_ratio: 1.0 };
 
+/// Passes of the solver: a gripped body that is put down keeps its place in the gripper.
+const PASSES: usize = 4;
+
 /// Passes of the solver that bring contacts to rest.
 const STABILISATION: usize = 10;
 
@@ -28,6 +31,7 @@ impl Sets {
         settings.contact_softness = CONTACT;
         settings.static_contact_softness = CONTACT;
         settings.num_solver_iterations = 1;
+        settings.num_internal_pgs_iterations = PASSES;
         settings.num_internal_stabilization_iterations = STABILISATION;
         settings.friction_model = FrictionModel::Simplified;
         settings.contact_recycling = false;

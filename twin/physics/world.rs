@@ -5,15 +5,21 @@
 //! (`multibody`). Links of a tripod are only placed, and `contact_solver` finds their contact forces.
 
 use nalgebra::{Isometry3, Point3, Vector3};
-use rapier3d_f64::geometry::{ColliderBuilder, ContactPair, SolverFlags};
-use rapier3d_f64::pipeline::{ActiveHooks, PairFilterContext, PhysicsHooks};
+use rapier3d_f64::geometry::{
+    ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, SolverFlags,
+};
+use rapier3d_f64::pipeline::{
+    ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks,
+};
 use twin_urdf::Model;
 
 use crate::bodies::Tree;
 use crate::distances::{Distances, Near};
 use crate::equation::Equation;
 use crate::error::{PhysicsError, Result};
+use crate::event::BodyEventKind;
 use crate::joint::{JointMatrix, JointVector};
+use crate::loose::LooseBodies;
 use crate::multibody::Multibody;
 use crate::pairs::Pairs;
 use crate::posed::Posed;
@@ -33,6 +39,9 @@ const TOUCHING: f64 = 1e-6;
 /// Parts of a cycle at which it is looked whether parts meet.
 const PLACES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
+/// A body that falls farther than this below everything is lost, m.
+const FALL: f64 = 0.1;
+
 /// Singular values below this part of the largest count as 0.
 const SINGULAR: f64 = 1e-9;
 
@@ -51,9 +60,11 @@ pub(super) struct RapierWorld {
     reach: f64,
     /// Parts without contact force against the tool.
     pub(super) yielding: YieldingTool,
+    /// m/s².
+    gravity: Vector3<f64>,
     /// What rapier moves: the links of a tree.
     tree: Option<DrivenTree>,
-    stepped: Option<Stepped>,
+    stepped: Option<Box<Stepped>>,
 }
 
 /// A tree of links, and how axes move its joints.
@@ -71,6 +82,8 @@ struct DrivenTree {
 struct Stepped {
     sets: Sets,
     multibody: Multibody,
+    loose: LooseBodies,
+    surroundings: Surroundings,
 }
 
 /// Contact between two parts in a step of rapier.
@@ -78,6 +91,8 @@ struct Stepped {
 pub(super) struct Touch {
     /// Numbers of the parts, the smaller first.
     pub(super) numbers: [usize; 2],
+    /// The parts in that order.
+    pub(super) parts: [Part; 2],
     /// N·s.
     pub(super) impulse: f64,
     /// Machine frame, m.
@@ -109,12 +124,13 @@ struct Around {
 }
 
 impl RapierWorld {
-    /// The machine of `model` at rest with its axes at `position`, with rotors of `armature` (kg or kg·m²).
+    /// The machine of `model` at rest with its axes at `position`, with rotors of `armature` (kg or kg·m²),
+    /// under `gravity` (m/s²).
     /// Errors: [`PhysicsError::Apart`].
     pub(super) fn new(
         model: &Model,
         equation: &Equation,
-        armature: &JointVector,
+        (armature, gravity): (&JointVector, Vector3<f64>),
         position: &JointVector,
     ) -> Result<Self> {
         let poses = vec![Isometry3::identity(); model.links.len()];
@@ -130,6 +146,7 @@ impl RapierWorld {
             around: None,
             reach: REACH,
             yielding: YieldingTool::Never,
+            gravity,
             tree,
             stepped: None,
         };
@@ -152,7 +169,10 @@ impl RapierWorld {
             return Err(PhysicsError::Overlap { parts, depth: -deepest.distance });
         }
         around.look(self.reach, &self.poses);
-        let stepped = self.tree.as_ref().map(|tree| Stepped::new(tree, &around.distances, cycle));
+        let stepped = self.tree.as_ref().map(|tree| {
+            let sets = Sets::new(&self.gravity, cycle);
+            Stepped::new(sets, tree, &around, surroundings).map(Box::new)
+        });
         self.stepped = stepped.transpose()?;
         self.around = Some(around);
         Ok(())
@@ -212,34 +232,67 @@ impl RapierWorld {
         }
     }
 
-    /// A step of rapier in which the axes come from `from` with the velocities `handed`; without contact they would get
-    /// to `to`. Returns their positions and velocities at its end, and fills `touches`; `None` if no parts meet.
+    /// A step of rapier of `cycle` s in which the axes come from `from` with the velocities `handed`; without contact
+    /// they would get to `to`. Returns their positions and velocities at its end, and fills `touches` and `events`;
+    /// `None` if nothing acts on them.
     /// Errors: [`PhysicsError::Apart`].
     pub(super) fn step(
         &mut self,
         [from, to, handed]: [&JointVector; 3],
-        touches: &mut Vec<Touch>,
+        cycle: f64,
+        (touches, events): (&mut Vec<Touch>, &mut Vec<BodyEventKind>),
     ) -> Result<Option<[JointVector; 2]>> {
         touches.clear();
-        if self.stepped.is_none() || !self.meets(from, to)? {
-            return Ok(None);
-        }
+        let meets = self.meets(from, to)?;
         let (Some(stepped), Some(around), Some(tree)) =
             (&mut self.stepped, &mut self.around, &self.tree)
         else {
             return Ok(None);
         };
-        let Stepped { sets, multibody } = stepped;
+        if !meets && stepped.loose.is_empty() {
+            return Ok(None);
+        }
+        let Stepped { sets, multibody, loose, surroundings } = &mut **stepped;
         multibody.place(&mut sets.0, &(tree.to_joints * from));
         multibody.hand_over(&mut sets.0, &(tree.to_joints * handed), &self.poses);
-        sets.step(self.reach, &ActivePairs(&around.active), &());
-        for pair in sets.0.narrow_phase.contact_pairs() {
-            let touch = touch_of(pair, sets, multibody, &around.pairs);
-            touches.extend(touch.filter(|touch| touch.impulse > 0.0));
-        }
+        loose.begin_step(&sets.0);
+        let contacts = Contacts { around, loose, surroundings, yielding: self.yielding };
+        sets.step(self.reach, &contacts, &());
+        let pairs = sets.0.narrow_phase.contact_pairs();
+        let found =
+            pairs.filter_map(|pair| touch_of(pair, sets, (multibody, loose), &around.pairs));
+        touches.extend(found.filter(|touch| touch.impulse > 0.0));
         around.active.retain(|numbers| touches.iter().any(|touch| touch.numbers == *numbers));
+        let was_holding = loose.is_holding();
+        self.posed.poses(&self.model, to, &mut self.moved)?;
+        loose.end_step(&mut sets.0, &self.moved, (touches, cycle), events);
+        let moves = |part: &Part| matches!(part, Part::Link(_) | Part::Tool);
+        if !was_holding && !touches.iter().any(|touch| touch.parts.iter().any(moves)) {
+            return Ok(None);
+        }
         let [position, velocity] = multibody.motion(&sets.0);
         Ok(Some([tree.to_axes * position, tree.to_axes * velocity]))
+    }
+
+    /// Closes or opens a gripper, and returns what happened.
+    pub(super) fn grip(&mut self, gripper: usize, close: bool) -> Option<BodyEventKind> {
+        let Stepped { sets, multibody, loose, surroundings } = self.stepped.as_deref_mut()?;
+        if !close {
+            return loose.open(&mut sets.0, gripper);
+        }
+        let link = surroundings.grippers.get(gripper)?.link;
+        loose.close(&mut sets.0, multibody, gripper, self.poses.get(link)?)
+    }
+
+    /// Poses of the loose bodies, machine frame.
+    pub(super) fn body_poses(&self) -> Vec<Isometry3<f64>> {
+        let stepped = self.stepped.as_ref();
+        stepped.map(|stepped| stepped.loose.poses(&stepped.sets.0)).unwrap_or_default()
+    }
+
+    /// The loose bodies and grippers.
+    pub(super) fn loose(&self) -> Option<&LooseBodies> {
+        self.stepped.as_ref().map(|stepped| &stepped.loose)
     }
 
     /// Finds the pairs that touch, or meet on the way of the axes; result true if there are any.
@@ -289,7 +342,8 @@ impl DrivenTree {
     fn new(model: &Model, axis_count: usize, armature: &JointVector) -> Result<Self> {
         let links = Tree::new(model, axis_count)?;
         let to_joints = links.coupling.unwrap_or_else(JointMatrix::identity);
-        let to_axes = to_joints.pseudo_inverse(SINGULAR).map_err(|_| PhysicsError::Apart)?;
+        let to_axes =
+            to_joints.pseudo_inverse(SINGULAR).map_err(|_singular| PhysicsError::Apart)?;
         // Rotors that several joints share are felt by each as if the others were at rest.
         let rotors = to_axes.tr_mul(&(JointMatrix::from_diagonal(armature) * to_axes));
         Ok(Self { links, armature: rotors.diagonal(), to_joints, to_axes })
@@ -297,38 +351,93 @@ impl DrivenTree {
 }
 
 impl Stepped {
-    /// Errors: [`PhysicsError::Apart`].
-    fn new(tree: &DrivenTree, distances: &Distances, cycle: f64) -> Result<Self> {
-        let mut sets = Sets::new(&Vector3::zeros(), cycle);
+    /// Errors: [`PhysicsError::Apart`], and [`PhysicsError::FlatMesh`].
+    fn new(
+        mut sets: Sets,
+        tree: &DrivenTree,
+        around: &Around,
+        surroundings: &Surroundings,
+    ) -> Result<Self> {
         let multibody = Multibody::new(&mut sets.0, &tree.links, &tree.armature)?;
-        for (number, (link, solids)) in distances.solids().enumerate() {
+        for (number, (link, solids)) in around.distances.solids().enumerate() {
+            let is_body = matches!(around.pairs.part(number), Some(Part::Body(_)));
             let (body, within) = multibody.carrier(link);
-            for solid in solids {
+            for solid in solids.iter().filter(|_| !is_body) {
                 let collider = ColliderBuilder::new(solid.shape.clone())
                     .position(maths::pose_to_rapier(&(within * solid.pose)))
                     .density(0.0)
                     .friction(0.0)
-                    .active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS)
+                    .active_hooks(
+                        ActiveHooks::FILTER_CONTACT_PAIRS | ActiveHooks::MODIFY_SOLVER_CONTACTS,
+                    )
                     .user_data(number as u128);
                 sets.0.insert_collider(collider, Some(body));
             }
         }
-        Ok(Self { sets, multibody })
+        let first = around.pairs.parts().len() - surroundings.bodies.len();
+        let lowest = sets.0.colliders.iter().map(|(_, collider)| collider.compute_aabb().mins.z);
+        let lowest = lowest.fold(f64::INFINITY, f64::min) - FALL;
+        let loose = LooseBodies::new(&mut sets.0, surroundings, first, lowest)?;
+        Ok(Self { sets, multibody, loose, surroundings: surroundings.clone() })
     }
 }
 
-/// The pairs of parts that have contact forces.
-struct ActivePairs<'a>(&'a [[usize; 2]]);
+/// Rules of the contacts of a step: which parts touch, and with what friction.
+struct Contacts<'a> {
+    around: &'a Around,
+    loose: &'a LooseBodies,
+    surroundings: &'a Surroundings,
+    yielding: YieldingTool,
+}
 
-impl PhysicsHooks for ActivePairs<'_> {
+impl Contacts<'_> {
+    /// Numbers and parts of two colliders.
+    fn pair(
+        &self,
+        colliders: &ColliderSet,
+        handles: [ColliderHandle; 2],
+    ) -> Option<([usize; 2], [Part; 2])> {
+        let [one, other] = handles.map(|handle| {
+            let number = usize::try_from(colliders.get(handle)?.user_data).ok()?;
+            Some((number, self.around.pairs.part(number)?))
+        });
+        let ((one, first), (other, second)) = (one?, other?);
+        Some(([one, other], [first, second]))
+    }
+}
+
+impl PhysicsHooks for Contacts<'_> {
     fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
-        let [one, other] = [context.collider1, context.collider2]
-            .map(|collider| context.colliders.get(collider).map(|found| found.user_data));
-        let is_it = |pair: &&[usize; 2]| {
-            let [first, second] = pair.map(|number| Some(number as u128));
-            (first, second) == (one, other) || (second, first) == (one, other)
+        let handles = [context.collider1, context.collider2];
+        let ([one, other], parts) = self.pair(context.colliders, handles)?;
+        let body = parts.iter().find_map(|part| match part {
+            Part::Body(body) => Some(*body),
+            _ => None,
+        });
+        let touch = if let Some(body) = body {
+            // A gripper does not push what it holds.
+            let machine = parts.iter().any(|part| matches!(part, Part::Link(_) | Part::Tool));
+            let left_out = self.surroundings.names(parts)
+                || self.yielding.gives_way(parts.map(Some))
+                || machine && self.loose.is_held(body);
+            !left_out
+        } else {
+            self.around.active.contains(&[one.min(other), one.max(other)])
         };
-        self.0.iter().find(is_it).map(|_| SolverFlags::COMPUTE_RIGID_IMPULSES)
+        touch.then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
+    }
+
+    fn modify_solver_contacts(&self, context: &mut ContactModificationContext) {
+        let handles = [context.collider1, context.collider2];
+        let Some((_, parts)) = self.pair(context.colliders, handles) else { return };
+        let friction = self.surroundings.friction(parts);
+        let [one, other] = parts.map(|part| self.surroundings.surface(part).velocity);
+        let belt = maths::vector_to_rapier(&(one - other));
+        let Some(manifold) = context.rigid_mut() else { return };
+        *manifold.friction = friction;
+        for contact in manifold.solver_contacts.iter_mut() {
+            contact.tangent_velocity = belt;
+        }
     }
 }
 
@@ -336,7 +445,7 @@ impl PhysicsHooks for ActivePairs<'_> {
 fn touch_of(
     pair: &ContactPair,
     sets: &Sets,
-    multibody: &Multibody,
+    (multibody, loose): (&Multibody, &LooseBodies),
     pairs: &Pairs,
 ) -> Option<Touch> {
     let colliders = [pair.collider1, pair.collider2].map(|handle| sets.0.colliders.get(handle));
@@ -345,8 +454,12 @@ fn touch_of(
     let numbers = [one, other].map(|collider| usize::try_from(collider.user_data).ok());
     let [first, second] = numbers;
     let (first, second) = (first?, second?);
-    let link_of = |number: usize| pairs.parts().get(number).map(|(_, link)| *link);
-    let (first_link, second_link) = (link_of(first)?, link_of(second)?);
+    let (first_part, first_link) = *pairs.parts().get(first)?;
+    let (second_part, second_link) = *pairs.parts().get(second)?;
+    let velocity = |part, link, place: &Vector3<f64>| match part {
+        Part::Body(body) => loose.velocity(body),
+        _ => multibody.velocity_at(link, place),
+    };
     let (mut impulse, mut middle) = (0.0, Vector3::zeros());
     let (mut depth, mut speed) = (0.0_f64, 0.0_f64);
     for manifold in pair.solver_manifolds() {
@@ -358,12 +471,16 @@ fn touch_of(
             impulse += point.data.impulse;
             middle += place * point.data.impulse;
             depth = depth.max(-point.dist);
-            let approach = multibody.velocity_at(first_link, &place)
-                - multibody.velocity_at(second_link, &place);
+            let approach = velocity(first_part, first_link, &place)
+                - velocity(second_part, second_link, &place);
             speed = speed.max(normal.dot(&approach));
         }
     }
-    let numbers = [first.min(second), first.max(second)];
+    let (numbers, parts) = if first <= second {
+        ([first, second], [first_part, second_part])
+    } else {
+        ([second, first], [second_part, first_part])
+    };
     let point = Point3::from(if impulse > 0.0 { middle / impulse } else { middle });
-    Some(Touch { numbers, impulse, point, depth, speed })
+    Some(Touch { numbers, parts, impulse, point, depth, speed })
 }

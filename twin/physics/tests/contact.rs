@@ -22,6 +22,7 @@ pub(super) fn around<const N: usize>(solids: [(&str, Solid); N]) -> Surroundings
         name: name.into(),
         kind: ObstacleKind::Fixture,
         solids: vec![solid],
+        surface: Surface::default(),
     });
     Surroundings { obstacles: obstacles.collect(), ..Surroundings::default() }
 }

@@ -111,8 +111,8 @@ fn a_copy_goes_on_with_the_same_bits() {
     let mut other = machine(&plate());
     other.clone_from(&copy);
     // All over again.
-    for mut machine in [one, other, pressed()] {
-        assert_eq!(go_on(&mut machine), first);
+    for machine in [&mut one, &mut other, &mut pressed()] {
+        assert_eq!(go_on(machine), first);
     }
 }
 

@@ -9,6 +9,7 @@ mod drives;
 mod elastic;
 mod elastic_machines;
 mod free;
+mod loose;
 mod mimic;
 mod motors;
 mod multibody;

@@ -1,0 +1,380 @@
+//! Loose bodies in rapier, the clamps that hold them to the ground, and the grippers that take them.
+//!
+//! A gripper holds a body by a fixed joint framed at their present pose, so gripping moves nothing. rapier's joints give
+//! their force; the moment about the gripper is that of the body's weight and acceleration,
+//! I·α + ω×(I·ω) + r×F, because the angular part of a joint's impulse is no moment.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+use rapier3d_f64::dynamics::{
+    CoefficientCombineRule, FixedJointBuilder, ImpulseJointHandle, RigidBodyBuilder,
+    RigidBodyHandle,
+};
+use rapier3d_f64::geometry::ColliderBuilder;
+use rapier3d_f64::parry::mass_properties::MassProperties;
+use rapier3d_f64::pipeline::{ActiveHooks, PhysicsWorld};
+
+use crate::error::{PhysicsError, Result};
+use crate::event::{BodyEventKind, LossCause};
+use crate::maths;
+use crate::multibody::Multibody;
+use crate::solids;
+use crate::surroundings::{Body, Gripper, Part, Surroundings};
+use crate::world::Touch;
+
+/// A body that has been pushed farther than this has moved, m.
+const MOVED: f64 = 1e-4;
+
+/// Slower than this (m/s, and rad/s) a body is at rest.
+const AT_REST: f64 = 1e-4;
+
+/// A loose body.
+#[derive(Clone, Debug)]
+struct Loose {
+    handle: RigidBodyHandle,
+    /// The joint of its clamp, and the force that this holds, N.
+    clamp: Option<(ImpulseJointHandle, f64)>,
+    inertial: twin_urdf::Inertial,
+    /// Where it was at rest, m.
+    rest: Point3<f64>,
+    /// The part of the machine that has pushed it since.
+    pushed: Option<Part>,
+    moved: bool,
+    dropped: bool,
+    /// The gripper that holds it.
+    held: Option<usize>,
+    /// Angular velocity after the last step, rad/s.
+    turning: Vector3<f64>,
+    /// Velocity before the step, at its centre of mass, m/s.
+    velocity: Vector3<f64>,
+}
+
+/// A gripper at work.
+#[derive(Clone, Debug)]
+struct GripperAtWork {
+    parameters: Gripper,
+    /// The joint, and the body that it holds.
+    holding: Option<(ImpulseJointHandle, usize)>,
+    /// Force (N) and moment (Nm) in the last cycle.
+    load: [f64; 2],
+}
+
+/// Loose bodies and grippers of a world.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LooseBodies {
+    bodies: Vec<Loose>,
+    grippers: Vec<GripperAtWork>,
+    /// Below this no body is carried any more, m.
+    lowest: f64,
+}
+
+impl LooseBodies {
+    /// Inserts the bodies of `surroundings`, whose parts are numbered from `first` on; `lowest` is the height below which
+    /// there is nothing, m.
+    /// Errors: [`PhysicsError::FlatMesh`].
+    pub(super) fn new(
+        world: &mut PhysicsWorld,
+        surroundings: &Surroundings,
+        first: usize,
+        lowest: f64,
+    ) -> Result<Self> {
+        let ground = world.insert_body(RigidBodyBuilder::fixed());
+        let mut bodies = Vec::with_capacity(surroundings.bodies.len());
+        for (index, body) in surroundings.bodies.iter().enumerate() {
+            let handle = insert(world, body, index, first)?;
+            let clamp = body.clamp.map(|limit| {
+                let joint =
+                    FixedJointBuilder::new().local_frame1(maths::pose_to_rapier(&body.pose));
+                (world.insert_impulse_joint(ground, handle, joint), limit)
+            });
+            bodies.push(Loose {
+                handle,
+                clamp,
+                inertial: body.inertial,
+                rest: body.pose * body.inertial.center,
+                pushed: None,
+                moved: false,
+                dropped: false,
+                held: None,
+                turning: Vector3::zeros(),
+                velocity: Vector3::zeros(),
+            });
+        }
+        let grippers = surroundings.grippers.iter().cloned();
+        let grippers =
+            grippers.map(|parameters| GripperAtWork { parameters, holding: None, load: [0.0; 2] });
+        Ok(Self { bodies, grippers: grippers.collect(), lowest })
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// True if a gripper holds a body.
+    pub(super) fn is_holding(&self) -> bool {
+        self.grippers.iter().any(|gripper| gripper.holding.is_some())
+    }
+
+    /// True if a gripper holds this body.
+    pub(super) fn is_held(&self, body: usize) -> bool {
+        self.bodies.get(body).is_some_and(|body| body.held.is_some())
+    }
+
+    /// The body that a gripper holds.
+    pub(super) fn held_by(&self, gripper: usize) -> Option<usize> {
+        self.grippers.get(gripper)?.holding.map(|(_, body)| body)
+    }
+
+    /// Force (N) and moment (Nm) at a gripper in the last cycle.
+    pub(super) fn load(&self, gripper: usize) -> [f64; 2] {
+        self.grippers.get(gripper).map_or([0.0; 2], |gripper| gripper.load)
+    }
+
+    /// Poses of the bodies, machine frame.
+    pub(super) fn poses(&self, world: &PhysicsWorld) -> Vec<Isometry3<f64>> {
+        let pose = |body: &Loose| world.bodies.get(body.handle).map(|body| *body.position());
+        let poses = self.bodies.iter().filter_map(pose);
+        poses.map(|pose| maths::pose_from_rapier(&pose)).collect()
+    }
+
+    /// Velocity of a body before the step, m/s.
+    pub(super) fn velocity(&self, body: usize) -> Vector3<f64> {
+        self.bodies.get(body).map_or_else(Vector3::zeros, |body| body.velocity)
+    }
+
+    /// Notes the velocities before a step.
+    pub(super) fn begin_step(&mut self, world: &PhysicsWorld) {
+        for body in &mut self.bodies {
+            let Some(found) = world.bodies.get(body.handle) else { continue };
+            body.velocity = maths::vector_from_rapier(found.linvel());
+            body.turning = maths::vector_from_rapier(found.angvel());
+        }
+    }
+
+    /// Closes a gripper whose link is at `link_pose`: it takes the body nearest to its point.
+    pub(super) fn close(
+        &mut self,
+        world: &mut PhysicsWorld,
+        multibody: &Multibody,
+        gripper: usize,
+        link_pose: &Isometry3<f64>,
+    ) -> Option<BodyEventKind> {
+        let at_work = self.grippers.get_mut(gripper)?;
+        if at_work.holding.is_some() {
+            return None;
+        }
+        let Gripper { link, point, reach, .. } = at_work.parameters;
+        let place = maths::point_to_rapier(&(link_pose * point));
+        let distance = |body: &Loose| {
+            let colliders = world.bodies.get(body.handle)?.colliders();
+            let distances = colliders.iter().filter_map(|handle| {
+                let collider = world.colliders.get(*handle)?;
+                let nearest = collider.shape().project_point(collider.position(), place, true);
+                Some((nearest.point - place).length())
+            });
+            distances.reduce(f64::min)
+        };
+        let free = self
+            .bodies
+            .iter()
+            .enumerate()
+            .filter(|(_, body)| body.held.is_none() && !body.dropped && body.clamp.is_none());
+        let near = free.filter_map(|(index, body)| Some((distance(body)?, index)));
+        let nearest = near
+            .filter(|(distance, _)| *distance <= reach)
+            .min_by(|one, other| one.0.total_cmp(&other.0));
+        let Some((_, index)) = nearest else { return Some(BodyEventKind::Missed { gripper }) };
+        let body = self.bodies.get_mut(index)?;
+        let pose = maths::pose_from_rapier(world.bodies.get(body.handle)?.position());
+        let (carrier, within) = multibody.carrier(link);
+        let frame = within * (link_pose.inverse() * pose);
+        let joint = FixedJointBuilder::new().local_frame1(maths::pose_to_rapier(&frame));
+        let joint = world.insert_impulse_joint(carrier, body.handle, joint);
+        body.held = Some(gripper);
+        at_work.holding = Some((joint, index));
+        Some(BodyEventKind::Gripped { gripper, body: index })
+    }
+
+    /// Opens a gripper.
+    pub(super) fn open(
+        &mut self,
+        world: &mut PhysicsWorld,
+        gripper: usize,
+    ) -> Option<BodyEventKind> {
+        let at_work = self.grippers.get_mut(gripper)?;
+        let (joint, body) = at_work.holding.take()?;
+        at_work.load = [0.0; 2];
+        world.remove_impulse_joint(joint);
+        self.let_go(world, body);
+        Some(BodyEventKind::Released { gripper, body })
+    }
+
+    fn let_go(&mut self, world: &PhysicsWorld, body: usize) {
+        let Some(body) = self.bodies.get_mut(body) else { return };
+        body.held = None;
+        body.put_down(world);
+    }
+
+    /// Looks at loads, places and falls after a step of `cycle` s with `touches`, and adds what happened to `events`.
+    pub(super) fn end_step(
+        &mut self,
+        world: &mut PhysicsWorld,
+        link_poses: &[Isometry3<f64>],
+        (touches, cycle): (&[Touch], f64),
+        events: &mut Vec<BodyEventKind>,
+    ) {
+        self.load_grippers(world, link_poses, (touches, cycle), events);
+        for (index, body) in self.bodies.iter_mut().enumerate() {
+            if let Some((joint, limit)) = body.clamp {
+                let force = force_of(world, joint, cycle).norm();
+                if force > limit {
+                    world.remove_impulse_joint(joint);
+                    body.clamp = None;
+                    events.push(BodyEventKind::ClampGaveWay { body: index, force });
+                }
+            }
+            body.watch(world, index, touches, events);
+            let Some(found) = world.bodies.get_mut(body.handle) else { continue };
+            if !body.dropped && body.held.is_none() && found.translation().z < self.lowest {
+                body.dropped = true;
+                found.set_enabled(false);
+                events.push(BodyEventKind::Dropped { body: index });
+            }
+        }
+    }
+
+    /// Loads of the grippers; lets go what is too heavy for them.
+    fn load_grippers(
+        &mut self,
+        world: &mut PhysicsWorld,
+        link_poses: &[Isometry3<f64>],
+        (touches, cycle): (&[Touch], f64),
+        events: &mut Vec<BodyEventKind>,
+    ) {
+        for number in 0..self.grippers.len() {
+            let Some(gripper) = self.grippers.get_mut(number) else { break };
+            let Some((joint, index)) = gripper.holding else { continue };
+            let Some(body) = self.bodies.get(index) else { continue };
+            let Some(link_pose) = link_poses.get(gripper.parameters.link) else { continue };
+            let force = force_of(world, joint, cycle);
+            let moment = body.moment(world, &(link_pose * gripper.parameters.point), &force, cycle);
+            let direction = link_pose.rotation * gripper.parameters.direction.into_inner();
+            let held = force - direction * force.dot(&direction).max(0.0);
+            gripper.load = [held.norm(), moment.norm()];
+            let [force, moment] = gripper.load;
+            if force <= gripper.parameters.force && moment <= gripper.parameters.moment {
+                continue;
+            }
+            gripper.holding = None;
+            world.remove_impulse_joint(joint);
+            let touched = touches.iter().any(|touch| touch.parts.contains(&Part::Body(index)));
+            let cause = if touched { LossCause::Collision } else { LossCause::Acceleration };
+            let load = [force, moment];
+            events.push(BodyEventKind::Lost { gripper: number, body: index, cause, load });
+            self.let_go(world, index);
+        }
+    }
+}
+
+impl Loose {
+    /// It is at rest where it is.
+    fn put_down(&mut self, world: &PhysicsWorld) {
+        let Some(found) = world.bodies.get(self.handle) else { return };
+        self.rest = maths::pose_from_rapier(found.position()) * self.inertial.center;
+        (self.pushed, self.moved) = (None, false);
+    }
+
+    /// Notes what pushes it, and how far it has come.
+    fn watch(
+        &mut self,
+        world: &PhysicsWorld,
+        index: usize,
+        touches: &[Touch],
+        events: &mut Vec<BodyEventKind>,
+    ) {
+        if self.held.is_some() || self.dropped {
+            return;
+        }
+        let pushes = touches.iter().find_map(|touch| {
+            let [one, other] = touch.parts;
+            let by = if other == Part::Body(index) { one } else { other };
+            let is_it = touch.parts.contains(&Part::Body(index));
+            (is_it && matches!(by, Part::Link(_) | Part::Tool)).then_some(by)
+        });
+        self.pushed = pushes.or(self.pushed);
+        let Some(found) = world.bodies.get(self.handle) else { return };
+        let place = maths::pose_from_rapier(found.position()) * self.inertial.center;
+        if let Some(by) = self.pushed
+            && !self.moved
+            && (place - self.rest).norm() > MOVED
+        {
+            self.moved = true;
+            events.push(BodyEventKind::Moved { body: index, by });
+        }
+        let speed = found.linvel().length().max(found.angvel().length());
+        if pushes.is_none() && speed < AT_REST {
+            self.rest = place;
+            (self.pushed, self.moved) = (None, false);
+        }
+    }
+
+    /// Moment about `place` with which it is held by `force`, Nm.
+    fn moment(
+        &self,
+        world: &PhysicsWorld,
+        place: &Point3<f64>,
+        force: &Vector3<f64>,
+        cycle: f64,
+    ) -> Vector3<f64> {
+        let Some(found) = world.bodies.get(self.handle) else { return Vector3::zeros() };
+        let pose = maths::pose_from_rapier(found.position());
+        let rotation = pose.rotation.to_rotation_matrix();
+        let inertia = rotation * self.inertial.inertia * rotation.transpose();
+        let turning = maths::vector_from_rapier(found.angvel());
+        let change = (turning - self.turning) / cycle;
+        let lever = pose * self.inertial.center - place;
+        inertia * change + turning.cross(&(inertia * turning)) + lever.cross(force)
+    }
+}
+
+/// Force of a joint in the last step on its second body, N, machine frame.
+fn force_of(world: &PhysicsWorld, joint: ImpulseJointHandle, cycle: f64) -> Vector3<f64> {
+    let Some(joint) = world.impulse_joints.get(joint) else { return Vector3::zeros() };
+    // The impulse acts on the first body.
+    let [x, y, z] = [0, 1, 2].map(|row| -joint.impulses[row] / cycle);
+    // The rows are directions of the joint's frame on its first body.
+    let frame =
+        world.bodies.get(joint.body1()).map(|body| *body.position() * joint.data.local_frame1);
+    let rotation = frame.map_or_else(Isometry3::identity, |frame| maths::pose_from_rapier(&frame));
+    rotation.rotation * Vector3::new(x, y, z)
+}
+
+fn insert(
+    world: &mut PhysicsWorld,
+    body: &Body,
+    index: usize,
+    first: usize,
+) -> Result<RigidBodyHandle> {
+    let mass = MassProperties::with_inertia_matrix(
+        maths::point_to_rapier(&body.inertial.center),
+        body.inertial.mass,
+        maths::matrix_to_rapier(&body.inertial.inertia),
+    );
+    let builder = RigidBodyBuilder::dynamic()
+        .pose(maths::pose_to_rapier(&body.pose))
+        .additional_mass_properties(mass);
+    let handle = world.insert_body(builder);
+    for (solid, one) in body.solids.iter().enumerate() {
+        let part = Part::Body(index);
+        let placed = solids::placed(one).ok_or(PhysicsError::FlatMesh { part, solid })?;
+        let collider = ColliderBuilder::new(placed.shape)
+            .position(maths::pose_to_rapier(&placed.pose))
+            .density(0.0)
+            .friction(0.0)
+            .restitution(body.restitution)
+            .restitution_combine_rule(CoefficientCombineRule::Max)
+            .active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS | ActiveHooks::MODIFY_SOLVER_CONTACTS)
+            .user_data((first + index) as u128);
+        world.insert_collider(collider, Some(handle));
+    }
+    Ok(handle)
+}

@@ -1,0 +1,303 @@
+//! Tests of loose bodies, belts, clamps and grippers: closed forms.
+
+use nalgebra::{Translation3, UnitQuaternion};
+use twin_urdf::{Solid, SolidShape};
+
+use super::contact::{around, cuboid, solid};
+use super::*;
+
+/// A cube of `edge` m and `mass` kg with its middle at `place`.
+fn cube(name: &str, mass: f64, edge: f64, place: [f64; 3]) -> Body {
+    let solids = vec![solid(SolidShape::Box { size: Vector3::repeat(edge) }, [0.0; 3])];
+    let [x, y, z] = place;
+    Body {
+        name: name.into(),
+        inertial: uniform_inertial(&solids, mass).unwrap(),
+        solids,
+        pose: Isometry3::translation(x, y, z),
+        material: 0,
+        restitution: 0.0,
+        clamp: None,
+    }
+}
+
+/// A table whose top is at z = 0.
+fn table() -> (&'static str, Solid) {
+    ("table", cuboid([-2.0, -2.0, -0.1], [2.0, 2.0, 0.0]))
+}
+
+/// Friction of `coefficient` between everything that is loose.
+fn scene(bodies: Vec<Body>, coefficient: f64) -> Surroundings {
+    Surroundings { bodies, frictions: vec![([0, 0], coefficient)], ..around([table()]) }
+}
+
+/// A gantry far above the table whose quill ends in a ball of 30 mm.
+fn machine(surroundings: &Surroundings) -> PhysicsMachine {
+    let model = super::contact::solid_gantry();
+    let start = axes([0.0, 0.0, 0.3]);
+    let drives = drives_of(&model, &start, |inertia| tuned(inertia, 40.0, 2000.0));
+    let mut machine = started(&model, &drives, down(), &start);
+    machine.insert_surroundings(surroundings).unwrap();
+    machine
+}
+
+fn rest(machine: &mut PhysicsMachine, cycles: u32) {
+    machine.hold([0.0, 0.0, 0.3], cycles);
+}
+
+fn place(machine: &PhysicsMachine, body: usize) -> Vector3<f64> {
+    machine.body_poses()[body].translation.vector
+}
+
+/// A fall takes g·t²/2, and half a cycle more of its speed: rapier moves bodies with the speed at the end of a cycle.
+#[test]
+fn a_body_falls() {
+    let mut machine = machine(&scene(vec![cube("cube", 0.5, 0.02, [0.3, 0.0, 3.0])], 0.3));
+    rest(&mut machine, 500);
+    let fallen = 3.0 - place(&machine, 0).z;
+    let expected = 0.5 * G * 0.5 * (0.5 + 1e-3);
+    assert!((fallen - expected).abs() < 1e-6, "{fallen} m, not {expected}");
+}
+
+/// On an incline of tan φ a body holds or slides as the coefficient of friction says.
+#[test]
+fn an_incline_holds_or_lets_slide() {
+    let slope = 0.3_f64;
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), slope.atan());
+    let ramp = Solid {
+        shape: SolidShape::Box { size: Vector3::new(4.0, 1.0, 0.1) },
+        origin: Isometry3::from_parts(Translation3::identity(), turn)
+            * Isometry3::translation(0.0, 0.0, -0.05),
+        color: [1.0; 4],
+    };
+    for (coefficient, slides) in [(0.31, false), (0.2, true)] {
+        let mut cube = cube("cube", 0.5, 0.04, [0.0; 3]);
+        cube.pose = Isometry3::from_parts(Translation3::identity(), turn)
+            * Isometry3::translation(0.0, 0.0, 0.02);
+        let mut ramp = around([("ramp", ramp.clone())]);
+        ramp.frictions = vec![([0, 0], coefficient)];
+        ramp.bodies = vec![cube];
+        let mut machine = machine(&ramp);
+        // It settles first.
+        rest(&mut machine, 100);
+        let from = place(&machine, 0);
+        let speed = |machine: &mut PhysicsMachine| {
+            let before = place(machine, 0);
+            rest(machine, 1);
+            (place(machine, 0) - before).norm() * 1e3
+        };
+        let begun = speed(&mut machine);
+        rest(&mut machine, 399);
+        let way = (place(&machine, 0) - from).norm();
+        if slides {
+            let gained = speed(&mut machine) - begun;
+            let (sin, cos) = slope.atan().sin_cos();
+            let expected = G * (sin - coefficient * cos) * 0.4;
+            assert!((gained - expected).abs() < 2e-3 * expected, "{gained} m/s, not {expected}");
+        } else {
+            assert!(way < 1e-6, "{way} m");
+        }
+    }
+}
+
+/// A belt takes what lies on it to its speed, which takes v²/(2µg) of sliding.
+#[test]
+fn a_belt_carries() {
+    let mut surroundings = scene(vec![cube("cube", 0.5, 0.04, [0.0, 0.3, 0.02])], 0.25);
+    surroundings.obstacles[0].surface.velocity = Vector3::new(0.3, 0.0, 0.0);
+    let mut machine = machine(&surroundings);
+    rest(&mut machine, 1000);
+    let before = place(&machine, 0);
+    rest(&mut machine, 100);
+    let speed = (place(&machine, 0) - before).x * 10.0;
+    assert!((speed - 0.3).abs() < 1e-5, "{speed} m/s");
+    let slip = 0.3 - before.x;
+    let expected = 0.3 * 0.3 / (2.0 * 0.25 * G);
+    assert!((slip - expected).abs() < 0.03 * expected, "{slip} m, not {expected}");
+}
+
+/// Five cubes on each other stay there.
+#[test]
+fn a_stack_stands() {
+    let cubes =
+        (0..5).map(|row| cube("cube", 0.2, 0.03, [0.2, 0.0, 0.015 + 0.03 * f64::from(row)]));
+    let mut machine = machine(&scene(cubes.collect(), 0.3));
+    rest(&mut machine, 3000);
+    for row in 0..5_u32 {
+        let at = place(&machine, row as usize);
+        let expected = Vector3::new(0.2, 0.0, 0.015 + 0.03 * f64::from(row));
+        assert!((at - expected).norm() < 5e-5, "{row}: {at:?}");
+    }
+}
+
+/// The quill pushes a cube along the table: it slides with it, the axis feels µ·m·g, and the cube has moved.
+#[test]
+fn a_pushed_body_is_felt() {
+    let mut surroundings = scene(vec![cube("cube", 4.0, 0.08, [0.15, 0.0, 0.04])], 0.5);
+    surroundings.machine_material = 1;
+    surroundings.frictions.push(([0, 1], 0.0));
+    let mut machine = machine(&surroundings);
+    // The middle of the ball is 50 mm ahead of the quill and 200 mm above: as high as the cube's.
+    machine.hold([0.0, 0.0, 0.3], 10);
+    let lower = |machine: &mut PhysicsMachine, from: [f64; 3], to: [f64; 3], cycles: u32| {
+        for cycle in 1..=cycles {
+            let part = f64::from(cycle) / f64::from(cycles);
+            let mut position = from;
+            for (value, to) in position.iter_mut().zip(to) {
+                *value += (to - *value) * part;
+            }
+            machine.hold(position, 1);
+        }
+    };
+    lower(&mut machine, [0.0, 0.0, 0.3], [0.0, 0.0, -0.16], 1500);
+    assert!(machine.take_body_events().is_empty());
+    lower(&mut machine, [0.0, 0.0, -0.16], [0.2, 0.0, -0.16], 2000);
+    let state = *machine.axis_state();
+    let expected = 0.5 * 4.0 * G;
+    assert!((state.effort[0] - expected).abs() < 0.01 * expected, "{state:?}");
+    // The ball ends 80 mm ahead of the axis.
+    let at = place(&machine, 0);
+    assert!((at.x - 0.04 - (state.position[0] + 0.08)).abs() < 1e-5, "{at:?} {state:?}");
+    let events = machine.take_body_events();
+    let moved = BodyEventKind::Moved { body: 0, by: Part::Link(3) };
+    assert_eq!(events.iter().map(|event| event.kind).collect::<Vec<_>>(), [moved]);
+    assert!(machine.take_collisions().is_empty());
+}
+
+/// The gantry with a gripper below its ball.
+fn gripping(bodies: Vec<Body>, force: f64) -> PhysicsMachine {
+    let mut surroundings = scene(bodies, 0.3);
+    surroundings.grippers = vec![Gripper {
+        name: "cup".into(),
+        link: 3,
+        point: Point3::new(0.0, 0.0, -0.03),
+        direction: -Vector3::z_axis(),
+        reach: 2e-3,
+        force,
+        moment: 10.0,
+    }];
+    machine(&surroundings)
+}
+
+/// A gripped body goes with the tool, its weight and its inertia are felt by the axes, and it is put down again.
+#[test]
+fn a_gripper_carries() {
+    let part = cube("part", 1.0, 0.04, [0.05, 0.0, 0.02]);
+    let mut machine = gripping(vec![part], 50.0);
+    let go = |machine: &mut PhysicsMachine, z: [f64; 2], cycles: u32| {
+        for cycle in 1..=cycles {
+            let [part, ..] = soft_start(2.0, 1.0, f64::from(cycle) / f64::from(cycles));
+            machine.hold([0.0, 0.0, z[0] + (z[1] - z[0]) * part], 1);
+        }
+    };
+    machine.grip(0, true);
+    assert_eq!(machine.take_body_events()[0].kind, BodyEventKind::Missed { gripper: 0 });
+    // The ball ends 170 mm above the quill's place: 1 mm above the part.
+    go(&mut machine, [0.3, -0.129], 2000);
+    let alone = machine.hold([0.0, 0.0, -0.129], 1000).effort[2];
+    machine.grip(0, true);
+    assert_eq!(machine.take_body_events()[0].kind, BodyEventKind::Gripped { gripper: 0, body: 0 });
+    go(&mut machine, [-0.129, 0.1], 2000);
+    let carried = machine.hold([0.0, 0.0, 0.1], 2000);
+    let [force, moment] = machine.gripper_load(0);
+    assert!((force - G).abs() < 1e-6 && moment < 1e-4, "{force} N, {moment} Nm");
+    assert!((carried.effort[2] - alone - G).abs() < 1e-3, "{carried:?} {alone}");
+    let at = place(&machine, 0);
+    assert!((at - Vector3::new(0.05, 0.0, 0.249)).norm() < 1e-6, "{at:?}");
+    go(&mut machine, [0.1, -0.129], 2000);
+    machine.hold([0.0, 0.0, -0.129], 200);
+    machine.grip(0, false);
+    go(&mut machine, [-0.129, 0.1], 1000);
+    let at = place(&machine, 0);
+    assert!((at - Vector3::new(0.05, 0.0, 0.02)).norm() < 2e-5, "{at:?}");
+    let kinds: Vec<_> = machine.take_body_events().iter().map(|event| event.kind).collect();
+    assert_eq!(kinds, [BodyEventKind::Released { gripper: 0, body: 0 }]);
+}
+
+/// A gripper of 20 N loses 1 kg at the acceleration at which m·√(g² + a²) is 20 N: 17.4 m/s² sideways.
+#[test]
+fn a_gripper_loses_what_is_too_heavy() {
+    for (acceleration, lost) in [(17.0, false), (17.8, true)] {
+        let mut machine = gripping(vec![cube("part", 1.0, 0.04, [0.05, 0.0, 0.449])], 20.0);
+        machine.grip(0, true);
+        for cycle in 1..=100 {
+            // It sets in within 50 ms.
+            let t = f64::from(cycle) * 1e-3;
+            let [speed, change, _] = soft_start(acceleration, 0.05, t);
+            let w = std::f64::consts::PI / 0.05;
+            let rising = 0.25 * t * t - (1.0 - (w * t).cos()) / (2.0 * w * w);
+            let settled = 0.25 * 0.05 * 0.05 - 1.0 / (w * w);
+            let later = t - 0.05;
+            let part =
+                if later < 0.0 { rising } else { settled + 0.025 * later + 0.5 * later * later };
+            let x = acceleration * part;
+            let set = motion([[x, 0.0, 0.3], [speed, 0.0, 0.0], [change, 0.0, 0.0]]);
+            machine.step(&set).unwrap();
+        }
+        let events = machine.take_body_events();
+        let loss = events.iter().find_map(|event| match event.kind {
+            BodyEventKind::Lost { cause, load, .. } => Some((cause, load[0])),
+            _ => None,
+        });
+        assert_eq!(loss.is_some(), lost, "{acceleration} m/s²: {events:?}");
+        if let Some((cause, force)) = loss {
+            assert_eq!(cause, LossCause::Acceleration);
+            assert!((20.0..20.7).contains(&force), "{force} N");
+        }
+    }
+}
+
+/// A clamp holds up to its force, and what falls off the table is dropped.
+#[test]
+fn a_clamp_gives_way_and_a_body_falls_off() {
+    let clamped = Body { clamp: Some(60.0), ..cube("part", 1.0, 0.06, [0.15, 0.0, 0.03]) };
+    let mut edge = scene(vec![clamped, cube("other", 0.1, 0.02, [1.995, 1.0, 0.01])], 0.3);
+    edge.bodies[1].pose.translation.x = 2.02;
+    let mut machine = machine(&edge);
+    rest(&mut machine, 1000);
+    let kinds = |machine: &mut PhysicsMachine| -> Vec<_> {
+        machine.take_body_events().iter().map(|event| event.kind).collect()
+    };
+    assert_eq!(kinds(&mut machine), [BodyEventKind::Dropped { body: 1 }]);
+    for cycle in 1..=1500 {
+        machine.hold([0.0, 0.0, 0.3 - 0.45 * f64::from(cycle) / 1500.0], 1);
+    }
+    // The ball ends 80 mm ahead of the axis, and presses with the axis' stiffness: it meets the part at 40 mm.
+    for cycle in 1..=1000 {
+        machine.hold([0.0399 * f64::from(cycle) / 1000.0, 0.0, -0.15], 1);
+    }
+    for cycle in 1..=2000 {
+        machine.hold([0.0399 + 1e-6 * f64::from(cycle), 0.0, -0.15], 1);
+    }
+    let found = kinds(&mut machine);
+    let [BodyEventKind::ClampGaveWay { body: 0, force }, BodyEventKind::Moved { body: 0, .. }, ..] =
+        found[..]
+    else {
+        panic!("{found:?}")
+    };
+    assert!(force > 60.0 && force < 80.0, "{force} N");
+}
+
+/// With loose bodies around it a machine that touches none moves as without them, to the bit; a copy goes on with the
+/// same bits.
+#[test]
+fn bodies_that_are_not_touched_change_nothing() {
+    let bodies =
+        vec![cube("cube", 0.5, 0.02, [0.3, 0.0, 0.1]), cube("b", 0.5, 0.02, [0.3, 0.005, 0.2])];
+    let run = |machine: &mut PhysicsMachine, cycles: std::ops::Range<u32>| {
+        for cycle in cycles {
+            let t = f64::from(cycle) * 1e-3;
+            machine.hold([0.1 * t.sin(), 0.05 * t, 0.3], 1);
+        }
+        *machine.axis_state()
+    };
+    let mut with = machine(&scene(bodies, 0.3));
+    let mut without = machine(&scene(Vec::new(), 0.3));
+    assert_eq!(run(&mut with, 0..300), run(&mut without, 0..300));
+    let mut copy = with.clone();
+    let ends = [&mut with, &mut copy].map(|machine| {
+        let state = run(machine, 300..900);
+        (state, machine.body_poses())
+    });
+    assert_eq!(ends[0], ends[1]);
+}
