@@ -55,7 +55,9 @@ pub(super) struct ContactState {
     pub(super) touching: Vec<TouchingPair>,
     /// Contacts that have begun.
     pub(super) collisions: Vec<Collision>,
-    /// Mean velocities of the axes in the last cycle, m/s or rad/s.
+    /// Efforts of the contacts that rapier solved in the last cycle: at the axes, and at its joints, N or Nm.
+    pub(super) by_rapier: [JointVector; 2],
+    /// Velocities of rapier's joints in the last cycle, m/s or rad/s.
     pub(super) velocity: JointVector,
     /// Workspaces.
     pub(super) touches: Vec<Touch>,
@@ -72,6 +74,7 @@ impl Default for ContactState {
             before: Vec::new(),
             touching: Vec::new(),
             collisions: Vec::new(),
+            by_rapier: [JointVector::zeros(); 2],
             velocity: JointVector::zeros(),
             touches: Vec::new(),
             near: Vec::new(),

@@ -75,7 +75,7 @@ impl PhysicsMachine {
         free: &MachineState,
         dt: f64,
     ) -> Result<MachineState> {
-        if self.world.is_stepped() {
+        if self.world.solves_contacts() {
             return Ok(*free);
         }
         if self.contact.near.is_empty() && self.contact.push == JointVector::zeros() {

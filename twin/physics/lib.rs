@@ -1,23 +1,24 @@
 //! Simulated machine: links with mass on driven joints, in double precision.
 //!
 //! ```text
-//! AxisMotion (set-point) ─▶ drives ── effort ─▶ rotors, springs, joints ─▶ rapier world ─▶ AxisState, link poses
+//! AxisMotion (set-point) ─▶ drives ── effort ─▶ rotors, springs, joints ─▶ rapier world ─▶ AxisState, poses
 //!                             ▲                    (q₁, v₁)                (bodies)    │
 //!                             └──────────────── position, velocity ────────────────────┘
 //! ```
 //!
-//! Axes are integrated in joint space. rapier owns bodies and shapes; contact is solved in joint space too. One
-//! cycle of T (1 ms):
+//! Axes are integrated in joint space, exactly; rapier has everything that touches: links, obstacles, loose bodies,
+//! grippers. One cycle of T (1 ms):
 //!
-//! 1. rapier's geometry finds the parts that can come near each other within the cycle (`world`).
-//! 2. In short steps (`stepping`) the drives (`drive`) run their loops when they are due. The equation of motion
+//! 1. In short steps (`stepping`) the drives (`drive`) run their loops when they are due. The equation of motion
 //!    (`dynamics`, `tripod`, `integrate`) takes the joints, and rotors behind springs (`transmission`), from q, v to
-//!    q₁, v₁. Contact forces of the step before go on pushing.
-//! 3. If parts would overlap at q₁, contact forces that keep them apart are computed, and the resulting positions
-//!    (`contact_step`, `contact_solver`).
-//! 4. rapier's bodies are placed at the positions after the last step.
+//!    q₁, v₁. Contact efforts of the cycle before go on pushing.
+//! 2. If parts would meet, or there are loose bodies (`loose`), rapier takes a step (`rapier_step`, `world`): the links
+//!    of the machine are a multibody (`multibody`, `driven`) with the mean velocities of that motion, and what contacts
+//!    do to it comes back to the joints. A cycle in which nothing can touch has the same bits without that step.
+//! 3. Contacts of a tripod with what is fixed are solved in joint space (`contact_step`, `contact_solver`): its rods
+//!    are closed loops, which rapier holds together to a fraction of a micrometre only.
 //!
-//! [`PhysicsMachine::link_poses`] reads the bodies.
+//! [`PhysicsMachine::link_poses`] and [`PhysicsMachine::body_poses`] say where everything is.
 //! Two runs with the same inputs give the same result to the bit.
 //!
 //! ```
@@ -69,6 +70,7 @@ mod contact_solver;
 mod contact_step;
 mod distances;
 mod drive;
+mod driven;
 mod dry_friction;
 mod dynamics;
 mod equation;

@@ -16,7 +16,7 @@ use rapier3d_f64::pipeline::{ActiveHooks, PhysicsWorld};
 use crate::error::{PhysicsError, Result};
 use crate::event::{BodyEventKind, LossCause};
 use crate::maths;
-use crate::multibody::Multibody;
+use crate::multibody::Place;
 use crate::solids;
 use crate::surroundings::{Body, Gripper, Part, Surroundings};
 use crate::world::Touch;
@@ -150,11 +150,11 @@ impl LooseBodies {
         }
     }
 
-    /// Closes a gripper whose link is at `link_pose`: it takes the body nearest to its point.
+    /// Closes a gripper whose link is at `link_pose`, and at `place` in rapier: it takes the body nearest to its point.
     pub(super) fn close(
         &mut self,
         world: &mut PhysicsWorld,
-        multibody: &Multibody,
+        place: &Place,
         gripper: usize,
         link_pose: &Isometry3<f64>,
     ) -> Option<BodyEventKind> {
@@ -162,14 +162,14 @@ impl LooseBodies {
         if at_work.holding.is_some() {
             return None;
         }
-        let Gripper { link, point, reach, .. } = at_work.parameters;
-        let place = maths::point_to_rapier(&(link_pose * point));
+        let Gripper { point, reach, .. } = at_work.parameters;
+        let here = maths::point_to_rapier(&(link_pose * point));
         let distance = |body: &Loose| {
             let colliders = world.bodies.get(body.handle)?.colliders();
             let distances = colliders.iter().filter_map(|handle| {
                 let collider = world.colliders.get(*handle)?;
-                let nearest = collider.shape().project_point(collider.position(), place, true);
-                Some((nearest.point - place).length())
+                let nearest = collider.shape().project_point(collider.position(), here, true);
+                Some((nearest.point - here).length())
             });
             distances.reduce(f64::min)
         };
@@ -185,10 +185,9 @@ impl LooseBodies {
         let Some((_, index)) = nearest else { return Some(BodyEventKind::Missed { gripper }) };
         let body = self.bodies.get_mut(index)?;
         let pose = maths::pose_from_rapier(world.bodies.get(body.handle)?.position());
-        let (carrier, within) = multibody.carrier(link);
-        let frame = within * (link_pose.inverse() * pose);
+        let frame = place.pose * (link_pose.inverse() * pose);
         let joint = FixedJointBuilder::new().local_frame1(maths::pose_to_rapier(&frame));
-        let joint = world.insert_impulse_joint(carrier, body.handle, joint);
+        let joint = world.insert_impulse_joint(place.body, body.handle, joint);
         body.held = Some(gripper);
         at_work.holding = Some((joint, index));
         Some(BodyEventKind::Gripped { gripper, body: index })

@@ -44,6 +44,14 @@ struct MovingLink {
     numbers: [usize; 2],
 }
 
+/// Place of a link: the moving link that it belongs to, if it moves, the body of that, and its pose in the body's frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) moving: Option<usize>,
+    pub(super) body: RigidBodyHandle,
+    pub(super) pose: Isometry3<f64>,
+}
+
 /// Motion of a link frame: velocities, and accelerations without those of the joints; machine frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Motions {
@@ -60,8 +68,8 @@ pub(super) struct Multibody {
     index: Option<MultibodyIndex>,
     base: RigidBodyHandle,
     moving: Vec<MovingLink>,
-    /// Of every link of the model: the moving link that it belongs to, and its pose in that link's frame.
-    places: Vec<(Option<usize>, Isometry3<f64>)>,
+    /// Of every link of the tree, the base first.
+    places: Vec<Place>,
     /// Workspace.
     motions: Vec<Motions>,
     displacement: Vec<f64>,
@@ -76,15 +84,15 @@ impl Multibody {
         armature: &JointVector,
     ) -> Result<Self> {
         let base = world.insert_body(RigidBodyBuilder::fixed());
-        let mut places = vec![(None, Isometry3::identity())];
+        let mut places = vec![Place { moving: None, body: base, pose: Isometry3::identity() }];
         let mut moving: Vec<MovingLink> = Vec::new();
         let mut masses: Vec<MassProperties> = Vec::new();
         for (index, link) in tree.bodies.iter().enumerate() {
             let parent = link.parent.map_or(0, |parent| parent + 1);
-            let (carrier, within) = places.get(parent).copied().ok_or(PhysicsError::Apart)?;
-            let origin = within * link.origin;
-            let (place, mass_pose) = match link.motion {
-                Motion::Fixed => ((carrier, origin), origin),
+            let on = places.get(parent).copied().ok_or(PhysicsError::Apart)?;
+            let origin = on.pose * link.origin;
+            let place = match link.motion {
+                Motion::Fixed => Place { pose: origin, ..on },
                 Motion::Revolute(joint, axis) | Motion::Prismatic(joint, axis) => {
                     let revolute = matches!(link.motion, Motion::Revolute(..));
                     let frame = along_z(&axis.into_inner());
@@ -94,13 +102,12 @@ impl Multibody {
                         .local_frame2(maths::pose_to_rapier(&frame));
                     let dynamic = RigidBodyBuilder::dynamic().can_sleep(false).gravity_scale(0.0);
                     let body = world.insert_body(dynamic);
-                    let on: Option<&MovingLink> = carrier.and_then(|carrier| moving.get(carrier));
-                    let on = on.map_or(base, |carrier| carrier.body);
-                    world.insert_multibody_joint(on, body, data).ok_or(PhysicsError::Apart)?;
+                    let inserted = world.insert_multibody_joint(on.body, body, data);
+                    inserted.ok_or(PhysicsError::Apart)?;
                     moving.push(MovingLink {
                         link: index + 1,
                         body,
-                        parent: carrier,
+                        parent: on.moving,
                         joint,
                         revolute,
                         direction: axis.into_inner(),
@@ -110,17 +117,17 @@ impl Multibody {
                         numbers: [0; 2],
                     });
                     masses.push(MassProperties::default());
-                    ((Some(moving.len() - 1), Isometry3::identity()), Isometry3::identity())
+                    Place { moving: Some(moving.len() - 1), body, pose: Isometry3::identity() }
                 }
             };
-            if let Some(sum) = place.0.and_then(|carrier| masses.get_mut(carrier)) {
+            if let Some(sum) = place.moving.and_then(|carrier| masses.get_mut(carrier)) {
                 let own = MassProperties::with_inertia_matrix(
                     maths::point_to_rapier(&link.mass.center),
                     link.mass.mass,
                     maths::matrix_to_rapier(&link.mass.inertia),
                 );
                 if link.mass.mass > 0.0 {
-                    *sum += own.transform_by(&maths::pose_to_rapier(&mass_pose));
+                    *sum += own.transform_by(&maths::pose_to_rapier(&place.pose));
                 }
             }
             places.push(place);
@@ -156,27 +163,44 @@ impl Multibody {
             let found = multibody.links().find(|link| link.rigid_body_handle() == moving.body);
             let Some(link) = found else { continue };
             moving.numbers = [link.link_id(), link.assembly_id()];
+        }
+        self.set_armature(multibody, armature);
+        self.displacement = vec![0.0; multibody.ndofs()];
+    }
+
+    fn set_armature(
+        &self,
+        multibody: &mut rapier3d_f64::dynamics::Multibody,
+        armature: &JointVector,
+    ) {
+        for moving in &self.moving {
             let [_, coordinate] = moving.numbers;
             if let Some(slot) = multibody.armature_mut().get_mut(coordinate) {
                 *slot = armature[moving.joint];
             }
         }
-        self.displacement = vec![0.0; multibody.ndofs()];
     }
 
-    /// The body that `link` of the model is part of, and the pose of the link in the frame of that body.
-    pub(super) fn carrier(&self, link: usize) -> (RigidBodyHandle, Isometry3<f64>) {
-        let (carrier, pose) = self.places.get(link).copied().unwrap_or_default();
-        let moving = carrier.and_then(|carrier| self.moving.get(carrier));
-        (moving.map_or(self.base, |moving| moving.body), pose)
+    /// Gives the joints the inertia `mass` (kg or kg·m²): what their links lack becomes rotors.
+    pub(super) fn weigh(&self, world: &mut PhysicsWorld, mass: &JointVector) {
+        let carried: f64 = self.moving.iter().map(|link| link.mass).sum();
+        let found = self.index.and_then(|index| world.multibody_joints.get_multibody_mut(index));
+        if let Some(multibody) = found {
+            self.set_armature(multibody, &mass.map(|mass| (mass - carried).max(0.0)));
+        }
     }
 
-    /// Velocity of the point at `place` (machine frame, m) of `link`, as handed over last, m/s.
-    pub(super) fn velocity_at(&self, link: usize, place: &Vector3<f64>) -> Vector3<f64> {
-        let carrier = self.places.get(link).and_then(|(carrier, _)| *carrier);
-        let motion = carrier.and_then(|carrier| self.motions.get(carrier));
+    /// Place of `link` of the tree, the base being 0.
+    pub(super) fn place_of(&self, link: usize) -> Place {
+        let base = Place { moving: None, body: self.base, pose: Isometry3::identity() };
+        self.places.get(link).copied().unwrap_or(base)
+    }
+
+    /// Velocity of the point at `point` (machine frame, m) of what is at `place`, as handed over last, m/s.
+    pub(super) fn velocity_at(&self, place: &Place, point: &Vector3<f64>) -> Vector3<f64> {
+        let motion = place.moving.and_then(|moving| self.motions.get(moving));
         motion.map_or_else(Vector3::zeros, |motion| {
-            motion.velocity + motion.omega.cross(&(place - motion.origin))
+            motion.velocity + motion.omega.cross(&(point - motion.origin))
         })
     }
 

@@ -1,8 +1,8 @@
-//! A cycle in which rapier takes the step: what contacts do to the axes.
+//! A cycle in which rapier takes the step: what contacts and gripped bodies do to the axes.
 //!
-//! The equation of motion takes the axes from q to q₁, v₁ within the cycle of T, with the contact efforts τ of the
+//! The equation of motion takes the machine from q to q₁, v₁ within the cycle of T, with the contact efforts τ of the
 //! cycle before. rapier gets the mean velocities of that motion without these efforts, and returns velocities that keep
-//! parts apart:
+//! parts apart and bodies gripped. In the coordinates of rapier's joints (`driven`), whose inertia is M:
 //!
 //! ```text
 //! v* = (q₁ − q) / T        handed = v* − T·M⁻¹·τ        v = v₁ + (returned − v*)        τ' = M·(returned − handed) / T
@@ -24,21 +24,24 @@ impl PhysicsMachine {
         if !self.world.is_stepped() {
             return Ok(*free);
         }
-        let from = self.joints.axes.position;
-        let to = free.axes.position;
-        let mean = (to - from) / self.cycle;
+        let way = [&self.joints.axes.position, &free.axes.position];
+        let mean = self.world.mean_velocities(way, self.cycle)?;
         let before = std::mem::replace(&mut self.contact.velocity, mean);
-        let push = std::mem::replace(&mut self.contact.push, JointVector::zeros());
-        let unsolved = PhysicsError::Contact(self.state.time_ns);
-        let mut handed = mean;
-        if push != JointVector::zeros() {
-            let inertia = self.equation.inertia(&to).ok_or(PhysicsError::Apart)?;
-            handed -= inertia.cholesky().ok_or(unsolved)?.solve(&push) * self.cycle;
+        let [_, lasting] = std::mem::take(&mut self.contact.by_rapier);
+        if !self.world.must_step(way)? {
+            return Ok(*free);
         }
+        let coordinates = self.world.coordinates(&mut self.equation, &free.axes.position)?;
+        let unsolved = PhysicsError::Contact(self.state.time_ns);
+        let factors = coordinates.mass.cholesky().ok_or(unsolved)?;
+        let handed = mean - factors.solve(&lasting) * self.cycle;
+
         let mut touches = std::mem::take(&mut self.contact.touches);
+        touches.clear();
         let mut happened = Vec::new();
-        let cycle = self.cycle;
-        let stepped = self.world.step([&from, &to, &handed], cycle, (&mut touches, &mut happened));
+        let (cycle, diagonal) = (self.cycle, coordinates.mass.diagonal());
+        let stepped =
+            self.world.step(way, (&handed, &diagonal), cycle, (&mut touches, &mut happened));
         for touch in &touches {
             let load = [touch.impulse / cycle, touch.depth];
             self.note_parts(touch.parts, touch.point, touch.speed, load);
@@ -46,18 +49,20 @@ impl PhysicsMachine {
         self.contact.touches = touches;
         let time_ns = self.state.time_ns.saturating_add(self.cycle_ns);
         self.body_events.extend(happened.into_iter().map(|kind| BodyEvent { time_ns, kind }));
-        let Some([position, velocity]) = stepped? else { return Ok(*free) };
+        let Some([way, velocity]) = stepped? else { return Ok(*free) };
 
-        let inertia = self.equation.inertia(&to).ok_or(PhysicsError::Apart)?;
-        let factors = inertia.cholesky().ok_or(unsolved)?;
         let size = |effort: &JointVector| effort.dot(&factors.solve(effort)).sqrt();
-        let by_contact = inertia * (velocity - handed) / self.cycle;
-        let keeping = inertia * (before - handed) / self.cycle;
+        let by_contact = coordinates.mass * (velocity - handed) / cycle;
+        let keeping = coordinates.mass * (before - handed) / cycle;
         let part = size(&keeping) / size(&by_contact);
-        self.contact.push = by_contact * if part < 1.0 { part } else { 1.0 };
+        let lasting = by_contact * if part < 1.0 { part } else { 1.0 };
+        self.contact.by_rapier = [coordinates.to_joints.tr_mul(&lasting), lasting];
         self.contact.velocity = velocity;
 
-        let axes = JointState { position, velocity: free.axes.velocity + velocity - mean };
+        let axes = JointState {
+            position: free.axes.position + coordinates.to_axes * (way - mean * cycle),
+            velocity: free.axes.velocity + coordinates.to_axes * (velocity - mean),
+        };
         let mut motors = axes;
         let slots = motors.position.iter_mut().zip(motors.velocity.iter_mut());
         let known = free.motors.position.iter().zip(&free.motors.velocity);

@@ -37,7 +37,7 @@ impl PhysicsMachine {
             for (axis, drive) in self.drives.iter_mut().enumerate() {
                 drive.begin_step(&course, step, axis, self.homed[axis], dt);
             }
-            let disturbance = noise + self.contact.push;
+            let disturbance = noise + self.contact.push + self.contact.by_rapier[0];
             let (next, effort) = integrate::advance(
                 &mut self.equation,
                 &self.trains,
@@ -71,7 +71,8 @@ impl PhysicsMachine {
         for _ in 0..self.steps {
             let dt = self.cycle / f64::from(self.steps);
             let Self { equation, trains, contact, .. } = self;
-            let motors = (&ConstantEfforts(effort), &contact.push);
+            let push = contact.push + contact.by_rapier[0];
+            let motors = (&ConstantEfforts(effort), &push);
             let (next, _) = integrate::advance(equation, trains, &joints, motors, dt)
                 .filter(|(state, _)| state.is_finite())
                 .ok_or(diverged)?;

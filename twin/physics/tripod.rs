@@ -135,6 +135,23 @@ impl TripodDynamics {
         platform.map_err(|_apart| PhysicsError::Apart)
     }
 
+    /// Mass of the platform and what is fixed to it, kg.
+    pub(super) fn platform_mass(&self) -> f64 {
+        self.platform.mass
+    }
+
+    /// Velocity of the platform (rows x, y, z) per velocity of each axis, with the axes at `position`.
+    /// Errors: [`PhysicsError::Apart`].
+    pub(super) fn shift(&self, position: &JointVector) -> Result<JointMatrix> {
+        let jacobian = self.state(position)?.jacobian;
+        let mut shift = JointMatrix::zeros();
+        for (number, carriage) in self.carriages.iter().enumerate() {
+            let column = jacobian.fixed_view::<3, 1>(3, number);
+            shift.fixed_view_mut::<3, 1>(0, carriage.axis).copy_from(&column);
+        }
+        Ok(shift)
+    }
+
     /// State of all parts with the axes at `position`.
     /// Errors: [`PhysicsError::Apart`] where the rods do not meet, or do not hold the platform.
     pub(super) fn state(&self, position: &JointVector) -> Result<TripodState> {

@@ -5,22 +5,23 @@
 //! (`multibody`). Links of a tripod are only placed, and `contact_solver` finds their contact forces.
 
 use nalgebra::{Isometry3, Point3, Vector3};
+use rapier3d_f64::dynamics::{RigidBodyBuilder, RigidBodyHandle};
 use rapier3d_f64::geometry::{
     ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, SolverFlags,
 };
 use rapier3d_f64::pipeline::{
     ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks,
 };
-use twin_urdf::Model;
+use twin_urdf::{JointKind, Model};
 
-use crate::bodies::Tree;
 use crate::distances::{Distances, Near};
+use crate::driven::{Coordinates, Driven};
 use crate::equation::Equation;
 use crate::error::{PhysicsError, Result};
 use crate::event::BodyEventKind;
-use crate::joint::{JointMatrix, JointVector};
+use crate::joint::JointVector;
 use crate::loose::LooseBodies;
-use crate::multibody::Multibody;
+use crate::multibody::{Multibody, Place};
 use crate::pairs::Pairs;
 use crate::posed::Posed;
 use crate::sets::Sets;
@@ -42,9 +43,6 @@ const PLACES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 /// A body that falls farther than this below everything is lost, m.
 const FALL: f64 = 0.1;
 
-/// Singular values below this part of the largest count as 0.
-const SINGULAR: f64 = 1e-9;
-
 /// The machine and its surroundings in rapier.
 #[derive(Clone)]
 pub(super) struct RapierWorld {
@@ -62,19 +60,8 @@ pub(super) struct RapierWorld {
     pub(super) yielding: YieldingTool,
     /// m/s².
     gravity: Vector3<f64>,
-    /// What rapier moves: the links of a tree.
-    tree: Option<DrivenTree>,
+    driven: Driven,
     stepped: Option<Box<Stepped>>,
-}
-
-/// A tree of links, and how axes move its joints.
-#[derive(Clone, Debug)]
-struct DrivenTree {
-    links: Tree,
-    /// Rotor inertia per joint, kg or kg·m².
-    armature: JointVector,
-    to_joints: JointMatrix,
-    to_axes: JointMatrix,
 }
 
 /// What rapier steps.
@@ -84,6 +71,10 @@ struct Stepped {
     multibody: Multibody,
     loose: LooseBodies,
     surroundings: Surroundings,
+    /// Of every link.
+    places: Vec<Place>,
+    /// Links of a tripod that are only placed.
+    placed: Vec<(usize, RigidBodyHandle)>,
 }
 
 /// Contact between two parts in a step of rapier.
@@ -134,10 +125,7 @@ impl RapierWorld {
         position: &JointVector,
     ) -> Result<Self> {
         let poses = vec![Isometry3::identity(); model.links.len()];
-        let tree = match equation {
-            Equation::Tree(_) => Some(DrivenTree::new(model, equation.axis_count(), armature)?),
-            Equation::Tripod(_) => None,
-        };
+        let driven = Driven::new(model, equation, armature)?;
         let mut result = Self {
             model: model.clone(),
             moved: poses.clone(),
@@ -147,7 +135,7 @@ impl RapierWorld {
             reach: REACH,
             yielding: YieldingTool::Never,
             gravity,
-            tree,
+            driven,
             stepped: None,
         };
         result.follow(position)?;
@@ -169,18 +157,47 @@ impl RapierWorld {
             return Err(PhysicsError::Overlap { parts, depth: -deepest.distance });
         }
         around.look(self.reach, &self.poses);
-        let stepped = self.tree.as_ref().map(|tree| {
+        let is_stepped = self.solves_contacts() || !surroundings.bodies.is_empty();
+        let stepped = is_stepped.then(|| {
             let sets = Sets::new(&self.gravity, cycle);
-            Stepped::new(sets, tree, &around, surroundings).map(Box::new)
+            Stepped::new(sets, &self.driven, (&around, surroundings), (&self.model, &self.poses))
         });
-        self.stepped = stepped.transpose()?;
+        self.stepped = stepped.transpose()?.map(Box::new);
         self.around = Some(around);
         Ok(())
     }
 
-    /// True if rapier takes the steps with contacts.
+    /// True if rapier solves the contacts of the machine with what is fixed.
+    pub(super) fn solves_contacts(&self) -> bool {
+        self.driven.platform().is_none()
+    }
+
+    /// True if rapier may take a step.
     pub(super) fn is_stepped(&self) -> bool {
         self.stepped.is_some()
+    }
+
+    /// Joints and axes with the axes at `position`.
+    /// Errors: [`PhysicsError::Apart`].
+    pub(super) fn coordinates(
+        &self,
+        equation: &mut Equation,
+        position: &JointVector,
+    ) -> Result<Coordinates> {
+        self.driven.coordinates(equation, position)
+    }
+
+    /// Mean velocities of rapier's joints in a cycle of `cycle` s from where the machine is to the axes at `to`.
+    /// Errors: [`PhysicsError::Apart`].
+    pub(super) fn mean_velocities(
+        &mut self,
+        [from, to]: [&JointVector; 2],
+        cycle: f64,
+    ) -> Result<JointVector> {
+        self.posed.poses(&self.model, to, &mut self.moved)?;
+        let [from, to] =
+            [self.driven.joints(from, &self.poses), self.driven.joints(to, &self.moved)];
+        Ok((to - from) / cycle)
     }
 
     /// The part of this number.
@@ -221,7 +238,7 @@ impl RapierWorld {
     pub(super) fn near(&self, found: &mut Vec<Near>) {
         found.clear();
         let Some(Around { pairs, distances, near, .. }) = &self.around else { return };
-        if self.stepped.is_some() {
+        if self.solves_contacts() {
             return;
         }
         for (numbers, _) in near {
@@ -232,56 +249,70 @@ impl RapierWorld {
         }
     }
 
-    /// A step of rapier of `cycle` s in which the axes come from `from` with the velocities `handed`; without contact
-    /// they would get to `to`. Returns their positions and velocities at its end, and fills `touches` and `events`;
-    /// `None` if nothing acts on them.
+    /// A step of rapier of `cycle` s in which the axes come from `from`, and the joints have the velocities `handed` and
+    /// the inertia `mass`; without contact the axes would get to `to`. Returns the way of the joints and their velocities at
+    /// its end, and fills `touches` and `events`; `None` if nothing acts on the machine.
     /// Errors: [`PhysicsError::Apart`].
     pub(super) fn step(
         &mut self,
-        [from, to, handed]: [&JointVector; 3],
+        [from, to]: [&JointVector; 2],
+        (handed, mass): (&JointVector, &JointVector),
         cycle: f64,
         (touches, events): (&mut Vec<Touch>, &mut Vec<BodyEventKind>),
     ) -> Result<Option<[JointVector; 2]>> {
-        touches.clear();
-        let meets = self.meets(from, to)?;
-        let (Some(stepped), Some(around), Some(tree)) =
-            (&mut self.stepped, &mut self.around, &self.tree)
-        else {
+        let (Some(stepped), Some(around)) = (&mut self.stepped, &mut self.around) else {
             return Ok(None);
         };
-        if !meets && stepped.loose.is_empty() {
-            return Ok(None);
+        let Stepped { sets, multibody, loose, surroundings, places, placed } = &mut **stepped;
+        self.posed.poses(&self.model, to, &mut self.moved)?;
+        let begun = self.driven.joints(from, &self.poses);
+        multibody.place(&mut sets.0, &begun);
+        if self.driven.platform().is_some() {
+            multibody.weigh(&mut sets.0, mass);
+            multibody.hand_over(&mut sets.0, handed, &[Isometry3::identity(); 4]);
+        } else {
+            multibody.hand_over(&mut sets.0, handed, &self.poses);
         }
-        let Stepped { sets, multibody, loose, surroundings } = &mut **stepped;
-        multibody.place(&mut sets.0, &(tree.to_joints * from));
-        multibody.hand_over(&mut sets.0, &(tree.to_joints * handed), &self.poses);
+        for (link, body) in placed.iter() {
+            if let (Some(body), Some(pose)) = (sets.0.bodies.get_mut(*body), self.moved.get(*link))
+            {
+                body.set_next_kinematic_position(maths::pose_to_rapier(pose));
+            }
+        }
         loose.begin_step(&sets.0);
         let contacts = Contacts { around, loose, surroundings, yielding: self.yielding };
         sets.step(self.reach, &contacts, &());
         let pairs = sets.0.narrow_phase.contact_pairs();
-        let found =
-            pairs.filter_map(|pair| touch_of(pair, sets, (multibody, loose), &around.pairs));
+        let velocities = Velocities { multibody, loose, places };
+        let found = pairs.filter_map(|pair| touch_of(pair, sets, &velocities, &around.pairs));
         touches.extend(found.filter(|touch| touch.impulse > 0.0));
         around.active.retain(|numbers| touches.iter().any(|touch| touch.numbers == *numbers));
         let was_holding = loose.is_holding();
-        self.posed.poses(&self.model, to, &mut self.moved)?;
         loose.end_step(&mut sets.0, &self.moved, (touches, cycle), events);
         let moves = |part: &Part| matches!(part, Part::Link(_) | Part::Tool);
         if !was_holding && !touches.iter().any(|touch| touch.parts.iter().any(moves)) {
             return Ok(None);
         }
         let [position, velocity] = multibody.motion(&sets.0);
-        Ok(Some([tree.to_axes * position, tree.to_axes * velocity]))
+        Ok(Some([position - begun, velocity]))
+    }
+
+    /// Finds the pairs of the machine and what is fixed that touch within a cycle; result true if rapier has a step to
+    /// take.
+    /// Errors: [`PhysicsError::Apart`].
+    pub(super) fn must_step(&mut self, [from, to]: [&JointVector; 2]) -> Result<bool> {
+        let meets = self.solves_contacts() && self.meets(from, to)?;
+        Ok(meets || self.loose().is_some_and(|loose| !loose.is_empty()))
     }
 
     /// Closes or opens a gripper, and returns what happened.
     pub(super) fn grip(&mut self, gripper: usize, close: bool) -> Option<BodyEventKind> {
-        let Stepped { sets, multibody, loose, surroundings } = self.stepped.as_deref_mut()?;
+        let Stepped { sets, loose, surroundings, places, .. } = self.stepped.as_deref_mut()?;
         if !close {
             return loose.open(&mut sets.0, gripper);
         }
         let link = surroundings.grippers.get(gripper)?.link;
-        loose.close(&mut sets.0, multibody, gripper, self.poses.get(link)?)
+        loose.close(&mut sets.0, places.get(link)?, gripper, self.poses.get(link)?)
     }
 
     /// Poses of the loose bodies, machine frame.
@@ -338,47 +369,80 @@ impl Around {
     }
 }
 
-impl DrivenTree {
-    fn new(model: &Model, axis_count: usize, armature: &JointVector) -> Result<Self> {
-        let links = Tree::new(model, axis_count)?;
-        let to_joints = links.coupling.unwrap_or_else(JointMatrix::identity);
-        let to_axes =
-            to_joints.pseudo_inverse(SINGULAR).map_err(|_singular| PhysicsError::Apart)?;
-        // Rotors that several joints share are felt by each as if the others were at rest.
-        let rotors = to_axes.tr_mul(&(JointMatrix::from_diagonal(armature) * to_axes));
-        Ok(Self { links, armature: rotors.diagonal(), to_joints, to_axes })
-    }
-}
-
 impl Stepped {
     /// Errors: [`PhysicsError::Apart`], and [`PhysicsError::FlatMesh`].
     fn new(
         mut sets: Sets,
-        tree: &DrivenTree,
-        around: &Around,
-        surroundings: &Surroundings,
+        driven: &Driven,
+        (around, surroundings): (&Around, &Surroundings),
+        (model, poses): (&Model, &[Isometry3<f64>]),
     ) -> Result<Self> {
-        let multibody = Multibody::new(&mut sets.0, &tree.links, &tree.armature)?;
+        let multibody = Multibody::new(&mut sets.0, &driven.tree, &driven.armature)?;
+        let mut placed = Vec::new();
+        let mut places: Vec<Place> = Vec::with_capacity(poses.len());
+        for (link, pose) in poses.iter().enumerate() {
+            let parent = link.checked_sub(1).and_then(|index| model.joints.get(index));
+            let place = match (driven.platform(), parent) {
+                (None, _) => multibody.place_of(link),
+                (Some(_), None) => multibody.place_of(0),
+                (Some(platform), _) if link == platform => {
+                    let mut pose = *pose;
+                    pose.translation.vector = Vector3::zeros();
+                    Place { pose, ..multibody.place_of(driven.tree.bodies.len()) }
+                }
+                (Some(_), Some(joint)) => match places.get(joint.parent) {
+                    Some(on) if joint.kind == JointKind::Fixed => {
+                        Place { pose: on.pose * joint.origin, ..*on }
+                    }
+                    _ => {
+                        let kinematic = RigidBodyBuilder::kinematic_position_based();
+                        let body = sets.0.insert_body(kinematic.pose(maths::pose_to_rapier(pose)));
+                        placed.push((link, body));
+                        Place { body, pose: Isometry3::identity(), ..multibody.place_of(0) }
+                    }
+                },
+            };
+            places.push(place);
+        }
         for (number, (link, solids)) in around.distances.solids().enumerate() {
             let is_body = matches!(around.pairs.part(number), Some(Part::Body(_)));
-            let (body, within) = multibody.carrier(link);
+            let place = places.get(link).copied().ok_or(PhysicsError::Apart)?;
             for solid in solids.iter().filter(|_| !is_body) {
                 let collider = ColliderBuilder::new(solid.shape.clone())
-                    .position(maths::pose_to_rapier(&(within * solid.pose)))
+                    .position(maths::pose_to_rapier(&(place.pose * solid.pose)))
                     .density(0.0)
                     .friction(0.0)
                     .active_hooks(
                         ActiveHooks::FILTER_CONTACT_PAIRS | ActiveHooks::MODIFY_SOLVER_CONTACTS,
                     )
                     .user_data(number as u128);
-                sets.0.insert_collider(collider, Some(body));
+                sets.0.insert_collider(collider, Some(place.body));
             }
         }
         let first = around.pairs.parts().len() - surroundings.bodies.len();
         let lowest = sets.0.colliders.iter().map(|(_, collider)| collider.compute_aabb().mins.z);
         let lowest = lowest.fold(f64::INFINITY, f64::min) - FALL;
         let loose = LooseBodies::new(&mut sets.0, surroundings, first, lowest)?;
-        Ok(Self { sets, multibody, loose, surroundings: surroundings.clone() })
+        let surroundings = surroundings.clone();
+        Ok(Self { sets, multibody, loose, surroundings, places, placed })
+    }
+}
+
+/// Velocities of parts at the beginning of a step.
+struct Velocities<'a> {
+    multibody: &'a Multibody,
+    loose: &'a LooseBodies,
+    places: &'a [Place],
+}
+
+impl Velocities<'_> {
+    /// Of the point of `part`, which is in the frame of `link`, at `point` (machine frame, m), m/s.
+    fn of(&self, (part, link): (Part, usize), point: &Vector3<f64>) -> Vector3<f64> {
+        match (part, self.places.get(link)) {
+            (Part::Body(body), _) => self.loose.velocity(body),
+            (_, Some(place)) => self.multibody.velocity_at(place, point),
+            (_, None) => Vector3::zeros(),
+        }
     }
 }
 
@@ -445,7 +509,7 @@ impl PhysicsHooks for Contacts<'_> {
 fn touch_of(
     pair: &ContactPair,
     sets: &Sets,
-    (multibody, loose): (&Multibody, &LooseBodies),
+    velocities: &Velocities<'_>,
     pairs: &Pairs,
 ) -> Option<Touch> {
     let colliders = [pair.collider1, pair.collider2].map(|handle| sets.0.colliders.get(handle));
@@ -454,12 +518,7 @@ fn touch_of(
     let numbers = [one, other].map(|collider| usize::try_from(collider.user_data).ok());
     let [first, second] = numbers;
     let (first, second) = (first?, second?);
-    let (first_part, first_link) = *pairs.parts().get(first)?;
-    let (second_part, second_link) = *pairs.parts().get(second)?;
-    let velocity = |part, link, place: &Vector3<f64>| match part {
-        Part::Body(body) => loose.velocity(body),
-        _ => multibody.velocity_at(link, place),
-    };
+    let (first_part, second_part) = (*pairs.parts().get(first)?, *pairs.parts().get(second)?);
     let (mut impulse, mut middle) = (0.0, Vector3::zeros());
     let (mut depth, mut speed) = (0.0_f64, 0.0_f64);
     for manifold in pair.solver_manifolds() {
@@ -471,15 +530,14 @@ fn touch_of(
             impulse += point.data.impulse;
             middle += place * point.data.impulse;
             depth = depth.max(-point.dist);
-            let approach = velocity(first_part, first_link, &place)
-                - velocity(second_part, second_link, &place);
+            let approach = velocities.of(first_part, &place) - velocities.of(second_part, &place);
             speed = speed.max(normal.dot(&approach));
         }
     }
     let (numbers, parts) = if first <= second {
-        ([first, second], [first_part, second_part])
+        ([first, second], [first_part.0, second_part.0])
     } else {
-        ([second, first], [second_part, first_part])
+        ([second, first], [second_part.0, first_part.0])
     };
     let point = Point3::from(if impulse > 0.0 { middle / impulse } else { middle });
     Some(Touch { numbers, parts, impulse, point, depth, speed })

@@ -301,3 +301,66 @@ fn bodies_that_are_not_touched_change_nothing() {
     });
     assert_eq!(ends[0], ends[1]);
 }
+
+/// A tripod carries a body: its three motors give its weight, and when it moves the body's inertia; the body is where the
+/// platform takes it.
+#[test]
+fn a_tripod_carries() {
+    use twin_kinematics::Kinematics;
+    use twin_kinematics::tripod::{Tripod, TripodDeviations};
+    let model = super::parallel::generated(&TripodDeviations::default());
+    let start = axes([0.35; 3]);
+    let tip = model.tip_position(&start);
+    let below = solid(SolidShape::Box { size: Vector3::repeat(0.02) }, [0.0; 3]);
+    let part = Body {
+        name: "part".into(),
+        inertial: uniform_inertial(std::slice::from_ref(&below), 0.8).unwrap(),
+        solids: vec![below],
+        pose: Isometry3::translation(tip.x, tip.y, tip.z - 0.0115),
+        material: 0,
+        restitution: 0.0,
+        clamp: None,
+    };
+    let gripper = Gripper {
+        name: "cup".into(),
+        link: model.tip.link,
+        point: model.tip.point,
+        direction: -Vector3::z_axis(),
+        reach: 2e-3,
+        force: 40.0,
+        moment: 5.0,
+    };
+    let floor = Surroundings::floor(tip.z - 0.5);
+    let surroundings =
+        Surroundings { bodies: vec![part], grippers: vec![gripper], among_links: false, ..floor };
+    let drives = drives_of(&model, &start, |inertia| tuned(inertia, 40.0, 2000.0));
+    let run = |grip: bool| {
+        let mut machine = started(&model, &drives, down(), &start);
+        machine.insert_surroundings(&surroundings).unwrap();
+        machine.grip(0, grip);
+        let still: f64 = machine.hold([0.35; 3], 1500).effort.iter().sum();
+        let mut efforts = [0.0; 3];
+        for cycle in 1..=1000 {
+            let [way, speed, change] = soft_start(0.2, 0.4, f64::from(cycle) * 1e-3);
+            // The first tower alone: the platform moves sideways as well.
+            let set = motion([[0.35 + way, 0.35, 0.35], [speed, 0.0, 0.0], [change, 0.0, 0.0]]);
+            let state = machine.step(&set).unwrap();
+            if cycle == 200 {
+                efforts = [0, 1, 2].map(|axis| state.effort[axis]);
+            }
+        }
+        (machine, still, efforts)
+    };
+    let (_, alone, without) = run(false);
+    let (machine, carried, with) = run(true);
+    assert!((carried - alone - 0.8 * G).abs() < 1e-4, "{carried} {alone}");
+    let state = *machine.axis_state();
+    let transform = Tripod::new(super::parallel::rings(), [0.0; 3]).unwrap();
+    let moved = transform.forward(&state.position).unwrap().position
+        - transform.forward(&start).unwrap().position;
+    let at =
+        machine.body_poses()[0].translation.vector - Vector3::new(tip.x, tip.y, tip.z - 0.0115);
+    assert!(moved.norm() > 0.05 && (at - moved).norm() < 1e-6, "{at:?} {moved:?}");
+    let more: Vec<_> = with.iter().zip(without).map(|(with, without)| with - without).collect();
+    assert!(more.iter().sum::<f64>() > 0.8 * G, "{more:?}");
+}
