@@ -31,10 +31,8 @@ pub(super) struct Driven {
 /// How joints follow axes.
 #[derive(Clone, Debug)]
 enum Map {
-    Linear {
-        to_joints: JointMatrix,
-        to_axes: JointMatrix,
-    },
+    /// By matrices: of the joints per axis, and of the axes per joint.
+    Linear(Box<[JointMatrix; 2]>),
     /// By the place of the platform, which is this link.
     Platform(usize),
 }
@@ -60,7 +58,7 @@ impl Driven {
             let to_axes = inverse.map_err(|_singular| PhysicsError::Apart)?;
             // Rotors that several joints share are felt by each as if the others were at rest.
             let rotors = to_axes.tr_mul(&(JointMatrix::from_diagonal(armature) * to_axes));
-            let map = Map::Linear { to_joints, to_axes };
+            let map = Map::Linear(Box::new([to_joints, to_axes]));
             return Ok(Self { tree, armature: rotors.diagonal(), map });
         };
         let platform = linkage::platform(model).ok_or(PhysicsError::Apart)?;
@@ -82,7 +80,7 @@ impl Driven {
     /// The platform of a tripod, by its place among the links; `None` of a tree.
     pub(super) fn platform(&self) -> Option<usize> {
         match self.map {
-            Map::Linear { .. } => None,
+            Map::Linear(_) => None,
             Map::Platform(link) => Some(link),
         }
     }
@@ -90,7 +88,7 @@ impl Driven {
     /// Positions of the joints with the axes at `position` and the links at `poses`, m or rad.
     pub(super) fn joints(&self, position: &JointVector, poses: &[Isometry3<f64>]) -> JointVector {
         match &self.map {
-            Map::Linear { to_joints, .. } => to_joints * position,
+            Map::Linear(matrices) => matrices[0] * position,
             Map::Platform(link) => {
                 let place = poses.get(*link).map(|pose| pose.translation.vector);
                 crate::joint::joint_vector(place.unwrap_or_default().iter().copied())
@@ -107,7 +105,7 @@ impl Driven {
     ) -> Result<Coordinates> {
         let inertia = equation.inertia(position).ok_or(PhysicsError::Apart)?;
         let (to_joints, to_axes) = match (&self.map, equation) {
-            (Map::Linear { to_joints, to_axes }, _) => (*to_joints, *to_axes),
+            (Map::Linear(matrices), _) => (**matrices).into(),
             (Map::Platform(_), Equation::Tripod(tripod)) => {
                 let to_joints = tripod.shift(position)?;
                 let inverse = to_joints.pseudo_inverse(SINGULAR);

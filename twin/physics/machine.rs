@@ -177,6 +177,14 @@ impl PhysicsMachine {
         self
     }
 
+    /// The machine whose rapier world takes a step in every cycle. Otherwise it leaves out those in which nothing is
+    /// loose and nothing can touch; the results have the same bits.
+    #[must_use]
+    pub fn with_every_step(mut self) -> Self {
+        self.world.every_cycle = true;
+        self
+    }
+
     /// The machine with noise from another seed; the seed is 0 otherwise.
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {

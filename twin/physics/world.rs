@@ -61,6 +61,8 @@ pub(super) struct RapierWorld {
     /// m/s².
     gravity: Vector3<f64>,
     driven: Driven,
+    /// True if rapier steps in every cycle, whether something can touch or not.
+    pub(super) every_cycle: bool,
     stepped: Option<Box<Stepped>>,
 }
 
@@ -136,6 +138,7 @@ impl RapierWorld {
             yielding: YieldingTool::Never,
             gravity,
             driven,
+            every_cycle: false,
             stepped: None,
         };
         result.follow(position)?;
@@ -302,7 +305,8 @@ impl RapierWorld {
     /// Errors: [`PhysicsError::Apart`].
     pub(super) fn must_step(&mut self, [from, to]: [&JointVector; 2]) -> Result<bool> {
         let meets = self.solves_contacts() && self.meets(from, to)?;
-        Ok(meets || self.loose().is_some_and(|loose| !loose.is_empty()))
+        let loose = self.loose().is_some_and(|loose| !loose.is_empty());
+        Ok(meets || loose || self.every_cycle)
     }
 
     /// Closes or opens a gripper, and returns what happened.
