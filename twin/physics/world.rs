@@ -7,8 +7,9 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapier3d_f64::dynamics::{RigidBodyBuilder, RigidBodyHandle};
 use rapier3d_f64::geometry::{
-    ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, SolverFlags,
+    ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, SolverContact, SolverFlags,
 };
+use rapier3d_f64::math::{Pose, Vector};
 use rapier3d_f64::pipeline::{
     ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks,
 };
@@ -39,6 +40,9 @@ const TOUCHING: f64 = 1e-6;
 
 /// Parts of a cycle at which it is looked whether parts meet.
 const PLACES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
+
+/// Sine of the angle between the axis of a cylinder and a normal on its round side, at least.
+const ROUND: f64 = 0.9;
 
 /// A body that falls farther than this below everything is lost, m.
 const FALL: f64 = 0.1;
@@ -501,11 +505,56 @@ impl PhysicsHooks for Contacts<'_> {
         let friction = self.surroundings.friction(parts);
         let [one, other] = parts.map(|part| self.surroundings.surface(part).velocity);
         let belt = maths::vector_to_rapier(&(one - other));
+        let round = handles.map(|handle| round_side(context.colliders, handle));
         let Some(manifold) = context.rigid_mut() else { return };
         *manifold.friction = friction;
+        let normal = *manifold.normal;
         for contact in manifold.solver_contacts.iter_mut() {
             contact.tangent_velocity = belt;
+            match &round {
+                [Some(side), None] => side.touch(contact, normal, true),
+                [None, Some(side)] => side.touch(contact, normal, false),
+                _ => {}
+            }
         }
+    }
+}
+
+/// The round side of a cylinder. parry keeps its contact points while it turns by up to a degree, and a rod that lies on
+/// a table would begin to roll.
+struct RoundSide {
+    middle: Vector,
+    axis: Vector,
+    radius: f64,
+}
+
+fn round_side(colliders: &ColliderSet, handle: ColliderHandle) -> Option<RoundSide> {
+    let collider = colliders.get(handle)?;
+    let radius = collider.shape().as_cylinder()?.radius;
+    let Pose { translation: middle, rotation } = *collider.position();
+    Some(RoundSide { middle, axis: rotation * Vector::Y, radius })
+}
+
+impl RoundSide {
+    /// Moves `contact`, whose `normal` goes from the first collider to the second, to where this side is now; it is that
+    /// of the first collider or of the second.
+    fn touch(&self, contact: &mut SolverContact, normal: Vector, is_first: bool) {
+        let outward = if is_first { normal } else { -normal };
+        let across = outward - self.axis * outward.dot(self.axis);
+        // Its ends are flat.
+        if across.length() < ROUND {
+            return;
+        }
+        let (own, other) = if is_first {
+            (contact.anchor1, contact.anchor2)
+        } else {
+            (contact.anchor2, contact.anchor1)
+        };
+        let along = self.axis * (own - self.middle).dot(self.axis);
+        let own = self.middle + along + across * (self.radius / across.length());
+        contact.dist = (other - own).dot(outward);
+        let other = own + outward * contact.dist;
+        (contact.anchor1, contact.anchor2) = if is_first { (own, other) } else { (other, own) };
     }
 }
 

@@ -36,7 +36,7 @@ pub(super) fn solid_gantry() -> Model {
 }
 
 /// An arm in the plane with arms of 250 and 200 mm and a tool 60 mm below.
-fn arm() -> Model {
+pub(super) fn arm() -> Model {
     let joint = |name: &str, axis| MachineJoint::new(name, axis, [-2.8, 2.8]);
     let mut dimensions =
         ScaraDimensions::new("scara", [joint("A", 0), joint("B", 1)], None, [0.25, 0.2]);

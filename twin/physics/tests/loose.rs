@@ -364,3 +364,185 @@ fn a_tripod_carries() {
     let more: Vec<_> = with.iter().zip(without).map(|(with, without)| with - without).collect();
     assert!(more.iter().sum::<f64>() > 0.8 * G, "{more:?}");
 }
+
+/// Random set-points among twenty bodies on a belt that are pushed, gripped, dropped and lost: everything stays finite and
+/// slow, and none gains more energy than motors, belt and falls give.
+#[test]
+fn nothing_explodes_among_bodies() {
+    use rand::{Rng, SeedableRng};
+    let steps = if std::env::var_os("TWIN_PHYSICS_FULL").is_some() { 1_000_000 } else { 20_000 };
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+    let place = |index: u32| {
+        let (row, column) = (f64::from(index / 5), f64::from(index % 5));
+        [0.1 + 0.06 * row, -0.15 + 0.06 * column, 0.0201]
+    };
+    let bodies = (0..20).map(|index| cube("cube", 0.2, 0.04, place(index))).collect();
+    let mut surroundings = scene(bodies, 0.3);
+    surroundings.obstacles[0].surface.velocity = Vector3::new(0.05, 0.02, 0.0);
+    surroundings.grippers = vec![Gripper {
+        name: "cup".into(),
+        link: 3,
+        point: Point3::new(0.0, 0.0, -0.03),
+        direction: -Vector3::z_axis(),
+        reach: 5e-3,
+        force: 30.0,
+        moment: 3.0,
+    }];
+    let mut machine = machine(&surroundings);
+    let fresh = machine.clone();
+    let (mut target, mut goal) = ([0.0, 0.0, 0.3], [0.0_f64; 3]);
+    let (mut events, mut fastest) = (0, 0.0_f64);
+    for step in 0..steps {
+        if step % 5_000 == 4_999 {
+            machine.clone_from(&fresh);
+            target = [0.0, 0.0, 0.3];
+        }
+        if random.random_range(0.0..1.0) < 4e-3 {
+            let ranges = [(-0.1, 0.4), (-0.3, 0.3), (-0.15, 0.05)];
+            goal = ranges.map(|(low, high)| random.random_range(low..high));
+        }
+        for (target, goal) in target.iter_mut().zip(goal) {
+            *target += f64::clamp(goal - *target, -8e-4, 8e-4);
+        }
+        if random.random_range(0.0..1.0) < 0.01 {
+            machine.grip(0, random.random_range(0.0..1.0) < 0.7);
+        }
+        let before = machine.body_poses();
+        let state = machine.step(&AxisMotion::at_rest(axes(target))).unwrap();
+        assert!(state.position.is_finite() && state.velocity.is_finite(), "{state:?}");
+        for (before, pose) in before.iter().zip(machine.body_poses()) {
+            let way = (pose.translation.vector - before.translation.vector).norm();
+            assert!(pose.translation.vector.norm() < 10.0, "{step}: {pose}");
+            fastest = fastest.max(way * 1e3);
+        }
+        events += machine.take_body_events().len();
+        machine.take_collisions();
+    }
+    println!("{steps} steps, {events} events, at most {fastest} m/s");
+    assert!(events > 20 && fastest < 8.0, "{events} events, {fastest} m/s");
+}
+
+/// Round parts stay where they lie and stand.
+#[test]
+fn round_parts_lie_still() {
+    let round = |name: &str, shape: SolidShape, turn: UnitQuaternion<f64>, place: [f64; 3]| {
+        let mut body = cube(name, 0.2, 0.04, place);
+        body.solids = vec![solid(shape, [0.0; 3])];
+        body.inertial = uniform_inertial(&body.solids, 0.2).unwrap();
+        body.pose.rotation = turn;
+        body
+    };
+    let lying = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
+    let rod = SolidShape::Cylinder { radius: 0.01, length: 0.08 };
+    let pill = SolidShape::Capsule { radius: 0.01, length: 0.06 };
+    let disc = SolidShape::Cylinder { radius: 0.03, length: 0.01 };
+    let upright = UnitQuaternion::identity();
+    let ball = SolidShape::Sphere { radius: 0.02 };
+    let bodies = vec![
+        round("rod", rod, lying, [0.2, 0.0, 0.01]),
+        round("pill", pill, lying, [0.3, 0.0, 0.01]),
+        round("disc", disc, upright, [0.4, 0.0, 0.005]),
+        round("ball", ball, upright, [0.5, 0.0, 0.02]),
+    ];
+    let from: Vec<_> = bodies.iter().map(|body| body.pose.translation.vector).collect();
+    let mut machine = machine(&scene(bodies, 0.3));
+    rest(&mut machine, 5000);
+    for (index, from) in from.iter().enumerate() {
+        let at = place(&machine, index);
+        assert!((at - from).norm() < 2e-6, "{index}: {at:?}, not {from:?}");
+    }
+}
+
+/// An arm that turns faster and faster loses its part where m·√((ω²·r)² + (α·r)² + g²) is what the gripper holds.
+#[test]
+fn an_arm_flings_its_part_away() {
+    let model = super::contact::arm();
+    let start = axes([0.0, 0.4]);
+    let tip = model.tip_position(&start);
+    let mut surroundings = around([("table", cuboid([-2.0, -2.0, -1.1], [2.0, 2.0, -1.0]))]);
+    surroundings.bodies = vec![cube("part", 0.5, 0.02, [tip.x, tip.y, tip.z - 0.011])];
+    surroundings.grippers = vec![Gripper {
+        name: "cup".into(),
+        link: model.tip.link,
+        point: model.tip.point,
+        direction: -Vector3::z_axis(),
+        reach: 2e-3,
+        force: 15.0,
+        moment: 10.0,
+    }];
+    let drives = drives_of(&model, &start, |inertia| tuned(inertia, 40.0, 500.0));
+    let mut machine = started(&model, &drives, down(), &start);
+    machine.insert_surroundings(&surroundings).unwrap();
+    machine.grip(0, true);
+    assert_eq!(machine.held_by(0), Some(0));
+    let alpha = 8.0;
+    let radius = tip.coords.xy().norm();
+    let expected = {
+        let across = (15.0_f64 / 0.5).powi(2) - G * G - (alpha * radius).powi(2);
+        (across.sqrt() / radius).sqrt()
+    };
+    for cycle in 1..=2000 {
+        // The acceleration sets in within 200 ms.
+        let t = f64::from(cycle) * 1e-3;
+        let rise = 0.2;
+        let w = std::f64::consts::PI / rise;
+        let (angle, speed, change) = if t < rise {
+            let [half, part, _] = soft_start(alpha, rise, t);
+            let angle = alpha * (0.25 * t * t - (1.0 - (w * t).cos()) / (2.0 * w * w));
+            (angle, half, part)
+        } else {
+            let begun = alpha * (0.25 * rise * rise - 1.0 / (w * w));
+            let late = t - rise;
+            let speed = alpha * (0.5 * rise + late);
+            (begun + alpha * (0.5 * rise * late + 0.5 * late * late), speed, alpha)
+        };
+        let set = motion([[angle, 0.4], [speed, 0.0], [change, 0.0]]);
+        let state = machine.step(&set).unwrap();
+        if machine.held_by(0).is_none() {
+            let speed = state.velocity[0];
+            assert!((speed - expected).abs() < 5e-3 * expected, "{speed} rad/s, not {expected}");
+            return;
+        }
+    }
+    panic!("{:?}", machine.gripper_load(0));
+}
+
+/// A body that is pushed and let go slides on for v²/(2µg).
+#[test]
+fn a_body_slides_to_a_stop() {
+    let mut surroundings = scene(vec![cube("cube", 0.5, 0.08, [0.1301, 0.0, 0.04])], 0.4);
+    surroundings.machine_material = 1;
+    surroundings.frictions.push(([0, 1], 0.0));
+    let mut machine = machine(&surroundings);
+    for cycle in 1..=1500 {
+        machine.hold([0.0, 0.0, 0.3 - 0.46 * f64::from(cycle) / 1500.0], 1);
+    }
+    // The ball ends 80 mm ahead of the axis; it pushes until 0.5 s.
+    let speed = 0.5;
+    let mut at_stop = None;
+    for cycle in 1..=1500 {
+        let t = f64::from(cycle) * 1e-3;
+        let [way, velocity, change] = if t < 0.5 {
+            soft_start(speed, 0.3, t)
+        } else {
+            // The axis turns back.
+            let [back, velocity, change] = soft_start(-2.0 * speed, 0.02, (t - 0.5).min(0.02));
+            let [way, ..] = soft_start(speed, 0.3, 0.5);
+            [way + speed * (t - 0.5).min(0.02) + back, speed + velocity, change]
+        };
+        if t >= 0.52 {
+            break;
+        }
+        machine
+            .step(&motion([[way, 0.0, -0.16], [velocity, 0.0, 0.0], [change, 0.0, 0.0]]))
+            .unwrap();
+        if (0.4995..0.5005).contains(&t) {
+            at_stop = Some(place(&machine, 0).x);
+        }
+    }
+    let rest = *machine.axis_state();
+    machine.hold([rest.position[0] - 0.02, 0.0, -0.16], 1000);
+    let way = place(&machine, 0).x - at_stop.unwrap();
+    let expected = speed * speed / (2.0 * 0.4 * G);
+    assert!((way - expected).abs() < 0.02 * expected, "{way} m, not {expected}");
+}
