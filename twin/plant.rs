@@ -36,8 +36,10 @@ pub struct Blow {
     pub parts: [Part; 2],
     /// Approach speed, m/s.
     pub speed: f64,
-    /// The largest force between them while the machine came to a stop, mean over a cycle, N.
-    pub force: f64,
+    /// N·s.
+    pub impulse: f64,
+    /// Peak force at the contact stiffness of the machine file, N: v·√(k·m) of the mass m = impulse/v that was stopped.
+    pub peak: f64,
 }
 
 /// A probe that touched something.

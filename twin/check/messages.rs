@@ -273,15 +273,15 @@ pub(super) fn too_near(machine: &Machine, place: Place, found: &Clearance, wante
 
 /// A blow in the simulated machine.
 pub(super) fn ran_into(machine: &Machine, blow: &Blow) -> Finding {
-    let Blow { place, parts, speed, force } = *blow;
+    let Blow { place, parts, speed, impulse, peak } = *blow;
     let [one, other] = parts.map(|part| machine.part_name(part));
     let message = format!(
-        "{one} ran into {other} with {:.1} mm/s in the simulated machine: up to {} until it stood, mean over a millisecond",
+        "{one} ran into {other} with {:.1} mm/s in the simulated machine: impulse {impulse:.3} N s, peak force {} at the contact stiffness of the machine file",
         speed * 1e3,
-        in_newtons(force)
+        in_newtons(peak)
     );
     let finding = Finding::error(Rule::Collision, place, message);
-    Finding { value: Some(force), unit: Some("N"), ..finding }
+    Finding { value: Some(peak), unit: Some("N"), ..finding }
 }
 
 /// A probe that touched something in the simulated machine.

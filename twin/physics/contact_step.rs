@@ -51,6 +51,12 @@ impl PhysicsMachine {
         self.world.yielding = yielding;
     }
 
+    /// Peak force of a blow of `impulse` (N·s) with `speed` (m/s) at the contact stiffness, N. It does not depend on the
+    /// cycle time, as the impulse over it would.
+    pub fn peak_force(&self, impulse: f64, speed: f64) -> f64 {
+        (self.contact.stiffness * impulse * speed).max(0.0).sqrt()
+    }
+
     /// Contacts after the last cycle.
     pub fn contacts(&self) -> &[Contact] {
         &self.contact.contacts

@@ -130,8 +130,8 @@ pub enum PhysicsError {
     Collision {
         /// The parts in contact.
         parts: [Part; 2],
-        /// N.
-        force: f64,
+        /// Of the blow, N·s.
+        impulse: f64,
     },
     /// Contact forces cannot be solved: the contact is too stiff for the inertia of an axis.
     Contact(i64),
@@ -214,8 +214,8 @@ impl PhysicsError {
                 depth * 1e3,
                 part(other)
             ),
-            Self::Collision { parts: [one, other], force } => {
-                format!("{} ran into {} with {force:.0} N", part(one), part(other))
+            Self::Collision { parts: [one, other], impulse } => {
+                format!("{} ran into {} with {impulse:.3} N s", part(one), part(other))
             }
             Self::Contact(time_ns) => format!(
                 "at {time_ns} ns nothing keeps apart what touches: it is too stiff for what an axis moves (stiffness_n_per_mm)"

@@ -194,6 +194,11 @@ impl PhysicsMachine {
         self
     }
 
+    /// Length of a cycle, s.
+    pub fn cycle(&self) -> f64 {
+        self.cycle
+    }
+
     /// The axes at the end of the last cycle.
     pub fn axis_state(&self) -> &AxisState {
         &self.state

@@ -19,8 +19,11 @@ use twin_physics::{
 /// Most happenings that are kept; the first thousand of a long program are enough.
 const MOST_HAPPENINGS: usize = 1000;
 
-/// Cycles after which a blow has its largest force.
+/// Cycles in which the machine stops after a blow.
 const STOPPING: u32 = 20;
+
+/// Cycles in which a blow is over.
+const BLOW: u32 = 3;
 
 /// Simulates one cycle per set-point; the feedback is the position of the axes at the set-point's time.
 ///
@@ -121,28 +124,33 @@ impl Simulated {
 
     /// Lets the machine stop after collisions at `place`, records them, and returns the first one as an error.
     fn run_into(&mut self, place: Place) -> Result<(), PhysicsError> {
+        let cycle = self.physics.cycle();
         let collisions = self.physics.take_collisions().into_iter();
         let blows = collisions.map(|one| {
             let Contact { parts, force, .. } = one.contact;
-            Blow { place, parts, speed: one.speed, force }
+            Blow { place, parts, speed: one.speed, impulse: force * cycle, peak: 0.0 }
         });
         let mut blows: Vec<_> = blows.collect();
         let Some(first) = blows.first().map(|blow| blow.parts) else { return Ok(()) };
         // The drives hold the present position, as in a stop.
         let stop = AxisMotion::at_rest(self.physics.axis_state().position);
-        for _ in 0..STOPPING {
+        for cycles in 1..STOPPING {
             if self.physics.step(&stop).is_err() {
                 break;
             }
-            for contact in self.physics.contacts() {
+            for contact in self.physics.contacts().iter().filter(|_| cycles < BLOW) {
                 for blow in blows.iter_mut().filter(|blow| blow.parts == contact.parts) {
-                    blow.force = blow.force.max(contact.force);
+                    blow.impulse += contact.force * cycle;
                 }
             }
         }
-        let force = blows.iter().find(|blow| blow.parts == first).map_or(0.0, |blow| blow.force);
+        for blow in &mut blows {
+            blow.peak = self.physics.peak_force(blow.impulse, blow.speed);
+        }
+        let blow = blows.iter().find(|blow| blow.parts == first);
+        let impulse = blow.map_or(0.0, |blow| blow.impulse);
         self.happened.blows.extend(blows);
-        Err(PhysicsError::Collision { parts: first, force })
+        Err(PhysicsError::Collision { parts: first, impulse })
     }
 
     /// Probing moves without a touch, including the present one.

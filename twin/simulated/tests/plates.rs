@@ -262,11 +262,11 @@ fn stops_with_a_collision(plated: &Plated, mut twin: Simulated, about: &str) {
         let time_ns = i64::from(cycle) * plated.machine.cycle_ns;
         step(&mut twin, time_ns, plated.motion(f64::from(cycle) * CYCLE, 0.1)).err()
     });
-    let Some(PhysicsError::Collision { parts, force }) = collided else {
+    let Some(PhysicsError::Collision { parts, impulse }) = collided else {
         panic!("{about}: {collided:?}")
     };
     assert_eq!(parts, [Part::Tool, Part::Obstacle(0)], "{about}");
-    assert!(force > 0.0 && force.is_finite(), "{about}: {force} N");
+    assert!(impulse > 0.0 && impulse.is_finite(), "{about}: {impulse} N s");
     let depth = plated.depth(&twin.physics().link_poses());
     assert!(depth < 0.1 * THICKNESS, "{about}: {depth} m deep when it has stopped");
 }
