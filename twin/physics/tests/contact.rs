@@ -103,6 +103,7 @@ fn a_slide_presses_with_its_limit_and_its_weight() {
         let [contact] = machine.contacts() else { panic!("{:?}", machine.contacts()) };
         let expected = 50.0 + 3.0 * G;
         assert!((contact.force - expected).abs() < 1e-6 * expected, "{contact:?}");
+        assert!(contact.depth < 1e-5, "{contact:?}");
         let collisions = machine.take_collisions();
         assert_eq!(collisions[0].contact.parts, [Part::Link(1), Part::Obstacle(0)]);
     }
