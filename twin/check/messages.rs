@@ -20,7 +20,7 @@ pub(super) fn lost_tappets(count: u64) -> Finding {
     let message = format!(
         "lost tappets: {count}; in a cycle the master passed more than the {MAX_TRIGGERS} that a cam reports (SMC_TappetData): slow the master down, or move the tappets apart"
     );
-    let mut finding = Finding::error(Rule::FunctionBlock, Place { line: 1, block: None }, message);
+    let mut finding = Finding::error(Rule::FunctionBlock, Place::at(1), message);
     finding.severity = Severity::Warning;
     finding
 }
@@ -316,7 +316,7 @@ pub(super) fn never_began(machine: &Machine, fault: &FaultAt) -> Finding {
     let message = format!(
         "the fault of {whose} {when} in the scenario never began, because nothing moved then"
     );
-    let finding = Finding::error(Rule::Fault, Place { line, block: None }, message);
+    let finding = Finding::error(Rule::Fault, Place::at(line), message);
     Finding { severity: Severity::Warning, ..finding }
 }
 
@@ -336,11 +336,11 @@ pub(super) fn leave_out_nearness(findings: &mut Vec<Finding>) {
     let is_collision = |finding: &&Finding| finding.rule == Rule::Collision;
     let hits = findings.iter().filter(is_collision);
     let hits = hits.filter(|finding| finding.severity == Severity::Error);
-    let hits: BTreeSet<_> = hits.map(|finding| finding.line).collect();
+    let hits: BTreeSet<_> = hits.map(|finding| finding.place().key()).collect();
     findings.retain(|finding| {
         !(is_collision(&finding)
             && finding.severity == Severity::Warning
-            && hits.contains(&finding.line))
+            && hits.contains(&finding.place().key()))
     });
 }
 
@@ -349,9 +349,9 @@ pub(super) fn leave_out_consequences(findings: &mut Vec<Finding>) {
     let unreachable: BTreeSet<_> = findings
         .iter()
         .filter(|finding| finding.rule == Rule::Reach)
-        .map(|finding| finding.line)
+        .map(|finding| finding.place().key())
         .collect();
-    let about = |finding: &Finding| (finding.line, finding.axis.clone());
+    let about = |finding: &Finding| (finding.place().key(), finding.axis.clone());
     let broken = findings
         .iter()
         .filter(|finding| finding.rule == Rule::AxisJerk && finding.severity == Severity::Error);
@@ -369,7 +369,7 @@ pub(super) fn leave_out_consequences(findings: &mut Vec<Finding>) {
                 | Rule::AxisVelocityStep
                 | Rule::Singularity
         );
-        !(follows && unreachable.contains(&finding.line))
+        !(follows && unreachable.contains(&finding.place().key()))
     });
 }
 

@@ -109,9 +109,7 @@ impl From<OperationError> for Halt {
     fn from(error: OperationError) -> Self {
         let place = match error {
             OperationError::UprightArc(place) | OperationError::SplitProbe(place) => place,
-            OperationError::Factor(_) | OperationError::SplitPlace(_) => {
-                Place { line: 1, block: None }
-            }
+            OperationError::Factor(_) | OperationError::SplitPlace(_) => Place::at(1),
         };
         Self::stage(place, &error)
     }

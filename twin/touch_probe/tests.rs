@@ -138,7 +138,7 @@ fn unknown_surroundings_are_a_warning() {
 fn path(from: [f64; 3], to: [f64; 3], trips: ProbeTrip) -> ProbePath {
     let at = |linear| Position { linear, ..Position::default() };
     ProbePath {
-        place: Place { line: 1, block: None },
+        place: Place::at(1),
         start: at(from),
         end: at(to),
         point_from_tip: [0.0; 3],

@@ -149,14 +149,14 @@ impl<R: BufRead> Decoder<R> {
         self.flow.next.line = line;
         self.state.parameters.line = line;
         let shown = at.file.map_or(line, |_| self.flow.main_line());
-        self.out.place = Place { line: shown, block: None };
-        self.out.file = at.file.map(|file| (self.source.file_name(file), line));
+        let within = self.source.line_of(at.behind());
+        self.out.place = Place { within, ..Place::at(shown) };
     }
 
     /// The file has no line behind `at`.
     fn end_file(&mut self, at: Spot) {
-        self.out.place = Place { line: self.lines().max(1), block: None };
-        self.out.file = at.file.map(|file| (self.source.file_name(file), at.line));
+        let within = self.source.line_of(at);
+        self.out.place = Place { within, ..Place::at(self.lines().max(1)) };
         let main_line = self.flow.main_line();
         if let Some((error, line, effect)) = self.flow.at_end() {
             // A file that misses a part of itself is that of the call.

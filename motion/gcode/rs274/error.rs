@@ -420,16 +420,6 @@ pub enum DecodeError {
     /// A message of the program. A note.
     #[error("{}: {}", .0.kind, .0.text)]
     Message(Message),
-    /// Something wrong in a subroutine file.
-    #[error("{file} line {line}: {error}")]
-    InFile {
-        /// Name of the file.
-        file: String,
-        /// Its line, counted from 1.
-        line: u32,
-        /// The error.
-        error: Box<DecodeError>,
-    },
     /// An O word behind other words.
     #[error("O must be the first word of its block, or follow its N")]
     MisplacedLabel,
@@ -519,7 +509,7 @@ impl DecodeError {
 impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
-            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.rule(),
+            Self::Repeated { error, .. } => error.rule(),
             Self::OfControl(_) => Rule::Control,
             Self::Lenient(leniency) => leniency.refusal().rule(),
             Self::UnsupportedLetter(_) | Self::SharedAxis { .. } | Self::UnsupportedCode { .. } => {
@@ -546,7 +536,7 @@ impl TextError for DecodeError {
     fn hint(&self) -> Option<String> {
         match self {
             Self::OfControl(finding) => finding.hint(),
-            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.hint(),
+            Self::Repeated { error, .. } => error.hint(),
             _ => None,
         }
     }
@@ -554,7 +544,7 @@ impl TextError for DecodeError {
     fn is_note(&self) -> bool {
         match self {
             Self::Message(_) => true,
-            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.is_note(),
+            Self::Repeated { error, .. } => error.is_note(),
             _ => false,
         }
     }

@@ -11,8 +11,6 @@ use twin_path::Place;
 pub(super) struct Output {
     pub(super) items: VecDeque<Result<Item, Failure>>,
     pub(super) place: Place,
-    /// Name and line, if the block is that of a subroutine file.
-    pub(super) file: Option<(String, u32)>,
     remarks: Vec<Remark>,
 }
 
@@ -79,11 +77,6 @@ impl Output {
     }
 
     fn diagnostic(&self, columns: Option<Range<usize>>, error: DecodeError) -> Diagnostic {
-        let (place, own) = (self.place, columns);
-        let Some((file, line)) = &self.file else {
-            return Diagnostic { place, columns: own, error };
-        };
-        let error = DecodeError::InFile { file: file.clone(), line: *line, error: Box::new(error) };
-        Diagnostic { place, columns: None, error }
+        Diagnostic { place: self.place, columns, error }
     }
 }

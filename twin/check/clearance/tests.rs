@@ -17,7 +17,7 @@ fn machine() -> Machine {
 /// In `line` at `ms` the tool is so near to an obstacle, mm.
 fn at(line: u32, ms: i64, mm: f64, obstacle: usize) -> BlockClearance {
     BlockClearance {
-        place: Place { line, block: (line == 2).then_some(20) },
+        place: Place { block: (line == 2).then_some(20), ..Place::at(line) },
         time_ns: ms * 1_000_000,
         nearest: Clearance {
             distance: mm * 1e-3,

@@ -200,14 +200,14 @@ fn what_the_target_is_asked() {
     let found = paths.lock().unwrap();
     let expected = [
         path(
-            Place { line: 2, block: Some(7) },
+            Place { block: Some(7), ..Place::at(2) },
             at(xs(0.0)),
             Position { rotary, ..at(xs(0.008)) },
             0.001,
             ProbeTrip::Release,
         ),
         path(
-            Place { line: 4, block: None },
+            Place::at(4),
             Position { rotary, ..at(xs(0.009)) },
             Position { rotary, ..at(xs(0.007)) },
             0.0005,

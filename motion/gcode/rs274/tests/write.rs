@@ -204,7 +204,7 @@ fn threads_cannot_be_written() {
 }
 
 fn cut(shape: Shape) -> PathElement {
-    let place = Place { line: 7, block: None };
+    let place = Place::at(7);
     PathElement { feed: 0.1, ..PathElement::new(place, ElementKind::Cut, shape) }
 }
 
