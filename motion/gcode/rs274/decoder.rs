@@ -86,6 +86,11 @@ impl<R: BufRead> Decoder<R> {
         self.source.lines()
     }
 
+    /// The line that was read last.
+    pub(super) fn text(&self) -> &[u8] {
+        &self.line
+    }
+
     /// Position of the machine after the blocks read so far.
     pub fn position(&self) -> Position {
         self.state.location.machine

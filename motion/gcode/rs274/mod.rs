@@ -135,7 +135,7 @@ pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference}
 pub use parameter_file::{ParameterFile, ParameterFileError};
 pub use parameters::ParameterError;
 pub use probe::{ProbePath, ProbeTarget, Surroundings};
-pub use refeed::refeed;
+pub use refeed::{refeed, refeed_repeated};
 pub use settings::OffsetError;
 pub use spline::{MAX_CONTROL_POINTS, TOLERANCE as SPLINE_TOLERANCE};
 pub use tool_table::{Tool, ToolTable, ToolTableError};
