@@ -98,7 +98,7 @@ impl Finding {
 }
 
 /// Writes the name of a subroutine file; see [`Finding::file`].
-#[expect(clippy::ref_option, reason = "as serde wants it")]
+#[expect(clippy::ref_option, clippy::trivially_copy_pass_by_ref, reason = "as serde wants it")]
 pub(crate) fn file_name<S: Serializer>(
     file: &Option<FilePath>,
     serializer: S,

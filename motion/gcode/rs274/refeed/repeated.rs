@@ -22,7 +22,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 use twin_path::{LineKey, PathElement, Place};
 
-const IN_FILE: &str = "it is in a subroutine file of its own";
+const IN_FILE: &str = "its moves are in a subroutine file of their own";
 const MODE: &str = "it is not in feed per minute (G94)";
 const EXPRESSION: &str = "its F is not a number";
 const UNITS: &str = "it is executed with G20 and with G21";
@@ -242,8 +242,10 @@ impl Survey {
         (lower, obstacle): (Option<(f64, String)>, Option<&'static str>),
     ) {
         let number = cut.as_programmed(self.programmed, units);
+        // Limits of a subroutine file are those of its call.
+        let shown = if place.within.is_some() { Place::at(place.line) } else { place };
         let moved = self.lines.entry(place.key()).or_insert_with(|| Moved {
-            place,
+            place: shown,
             units,
             programmed: [number; 2],
             lower: None,
