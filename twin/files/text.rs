@@ -1,6 +1,7 @@
 //! Text files: encoding and line ends, recognised at the beginning of the text.
 //!
-//! All text files go through here. Text is UTF-8 or an 8-bit code page; UTF-16 and UTF-32 are refused by name.
+//! All text files go through here. Text is UTF-8 or an 8-bit code page; UTF-16 and UTF-32 are refused by name, and so
+//! are binary data.
 //! Lines end with LF or CR LF; lone CRs are read as LF, so that places in the file stay the same.
 
 use std::fs::File;
@@ -12,6 +13,9 @@ const HEAD: usize = 1 << 16;
 
 /// Byte pairs of which every second byte is 0 in UTF-16 without a byte order mark.
 const PAIRS: usize = 32;
+
+/// Of text at most one byte in this number is a control character.
+const MOST_CONTROLS: usize = 16;
 
 /// Name of the encoding of the text that begins with `head`, if twin does not read it.
 pub fn foreign_encoding(head: &[u8]) -> Option<&'static str> {
@@ -35,6 +39,15 @@ pub fn foreign_encoding(head: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// Where data begin in `head` that are no text: the first control character, if one of them is 0 or there are many.
+fn binary_byte(head: &[u8]) -> Option<usize> {
+    // Without the blanks, the ends of lines and files, and ESC, 27, of tapes.
+    let is_control = |byte: &u8| matches!(byte, 0..=8 | 14..=25 | 28..=31 | 127);
+    let count = head.iter().filter(|byte| is_control(byte)).count();
+    let is_binary = head.contains(&0) || (count > 1 && count > head.len() / MOST_CONTROLS);
+    is_binary.then(|| head.iter().position(|byte| is_control(byte)))?
+}
+
 /// True if lines of the text that begins with `head` end with CR alone.
 fn ends_lines_with_cr(head: &[u8]) -> bool {
     !head.contains(&b'\n') && head.windows(2).any(|pair| pair.first() == Some(&b'\r'))
@@ -55,7 +68,7 @@ impl Text<File> {
     /// Opens the text file `path`.
     ///
     /// # Errors
-    /// If it cannot be read, or is in UTF-16 or UTF-32.
+    /// If it cannot be read, or is not text in UTF-8 or a code page.
     pub fn open(path: &Path) -> io::Result<Self> {
         Self::of(File::open(path)?)
     }
@@ -63,7 +76,7 @@ impl Text<File> {
     /// The text of an open file, from its beginning.
     ///
     /// # Errors
-    /// If it cannot be read, or is in UTF-16 or UTF-32.
+    /// If it cannot be read, or is not text in UTF-8 or a code page.
     pub fn of(file: File) -> io::Result<Self> {
         let mut text = Self::new(file)?;
         if text.inner.rewind().is_ok() {
@@ -89,7 +102,7 @@ impl<R: Read> Text<R> {
     /// The text of a stream.
     ///
     /// # Errors
-    /// If it cannot be read, or is in UTF-16 or UTF-32.
+    /// If it cannot be read, or is not text in UTF-8 or a code page.
     pub fn new(mut inner: R) -> io::Result<Self> {
         let mut head = vec![0; HEAD];
         let mut length = 0;
@@ -105,6 +118,15 @@ impl<R: Read> Text<R> {
         head.truncate(length);
         if let Some(encoding) = foreign_encoding(&head) {
             let message = format!("this is text in {encoding}; save it as UTF-8");
+            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+        }
+        if let Some((at, byte)) = binary_byte(&head).and_then(|at| Some((at, head.get(at)?))) {
+            let before = head.get(..at).unwrap_or_default();
+            let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+            let column = before.iter().rev().take_while(|byte| **byte != b'\n').count() + 1;
+            let message = format!(
+                "this is not text: byte {byte:#04x} at line {line}, column {column}; give a text file"
+            );
             return Err(io::Error::new(io::ErrorKind::InvalidData, message));
         }
         let cr_is_lf = ends_lines_with_cr(&head);
@@ -141,7 +163,7 @@ impl<R: Seek> Seek for Text<R> {
 /// Reader of the lines of the text file `path`.
 ///
 /// # Errors
-/// If it cannot be read, or is in UTF-16 or UTF-32.
+/// If it cannot be read, or is not text in UTF-8 or a code page.
 pub fn lines_of(path: &Path) -> io::Result<impl BufRead + Seek + use<>> {
     Ok(io::BufReader::with_capacity(HEAD, Text::open(path)?))
 }
@@ -179,6 +201,29 @@ mod tests {
         let error = Text::new(&utf_16("%\n", true, false)[..]).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::InvalidData);
         assert_eq!(error.to_string(), "this is text in UTF-16 (little-endian); save it as UTF-8");
+    }
+
+    /// The first bytes of files of other programs, and their first control character.
+    #[test]
+    fn binary_data() {
+        for (data, place) in [
+            (&b"MZ\x90\0\x03\0"[..], "byte 0x00 at line 1, column 4"),
+            (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "byte 0x00 at line 3, column 1"),
+            (b"PK\x03\x04\x14\0\x08", "byte 0x03 at line 1, column 3"),
+            (b"G0 X1\nG1\0X2\n", "byte 0x00 at line 2, column 3"),
+            (b"\x91\x02\xf3\xaa\x17\xee\x9c\x05\xd1", "byte 0x02 at line 1, column 2"),
+        ] {
+            let error = Text::new(data).unwrap_err();
+            assert_eq!(error.kind(), ErrorKind::InvalidData);
+            assert_eq!(error.to_string(), format!("this is not text: {place}; give a text file"));
+        }
+        // Comments in a code page, the end of a file of MS-DOS, and characters of a tape reader.
+        for text in
+            [&b"(\xc4nderung f\xfcr Fr\xe4ser)\n"[..], b"%\nM30\n%\n\x1a", b"%\x12\nG0 X1 Y2 Z3\n"]
+        {
+            assert!(Text::new(text).is_ok(), "{text:?}");
+        }
+        assert!(Text::new(&b"\x1b[31m (\x1b[0m)\n"[..]).is_ok());
     }
 
     #[test]
