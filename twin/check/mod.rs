@@ -189,8 +189,7 @@ fn checked(
 ) -> Result<Outcome, CheckFailure> {
     let CheckOptions { limits, physics, scenario, acknowledge, drives: _, continues } = options;
     let (slack, rapids) = (slack(limits), rapids(machine, program));
-    let is_job = program.dialect() == Dialect::Job;
-    let mut checker = Checker::new(machine, rapids, slack, is_job);
+    let mut checker = Checker::new(machine, rapids, slack, program.dialect());
     if program.settings().inputs.mode != VelocityMode::Trapezoid {
         // Feeds are solved for on trapezoids.
         checker = checker.without_feeds();
