@@ -152,6 +152,8 @@ pub(super) struct Block {
     pub(super) m: MWords,
     /// M98 or M99.
     pub(super) subroutine: Option<u16>,
+    /// M words that LinuxCNC does not know, with their bytes.
+    pub(super) other_m: Vec<(u16, Range<usize>)>,
     /// Parameters that are set.
     pub(super) assignments: Vec<Assignment>,
     /// The last comment, if it is a message.
@@ -180,6 +182,7 @@ impl Block {
         self.g = GWords::default();
         self.m = MWords::default();
         self.subroutine = None;
+        self.other_m.clear();
         self.assignments.clear();
         self.message = None;
         self.present = Letters::default();
@@ -193,6 +196,7 @@ impl Block {
             && self.g == GWords::default()
             && self.m == MWords::default()
             && self.subroutine.is_none()
+            && self.other_m.is_empty()
             && self.assignments.is_empty()
             && self.message.is_none()
     }
@@ -230,6 +234,31 @@ impl Block {
         Some(usize::try_from(start).ok()?..usize::try_from(end).ok()?)
     }
 
+    /// An error at the word with this letter; of the line as a whole if it is not in the block.
+    pub(super) fn at(&self, letter: Letter, error: impl Into<DecodeError>) -> Problem {
+        let columns = self.get(letter).and_then(|_| self.columns(letter));
+        Problem { columns, error: error.into() }
+    }
+
+    /// `value`, which the word with this letter leads to, if it is in `range`; `unit` is its unit with a blank before it.
+    ///
+    /// # Errors
+    /// [`DecodeError::OutOfRange`].
+    pub(super) fn within(
+        &self,
+        letter: Letter,
+        value: f64,
+        range: [f64; 2],
+        unit: &'static str,
+    ) -> Result<f64, Problem> {
+        let [min, max] = range;
+        if (min..=max).contains(&value) {
+            return Ok(value);
+        }
+        let name = letter.as_char();
+        Err(self.at(letter, DecodeError::OutOfRange { letter: name, value, min, max, unit }))
+    }
+
     /// The bytes of the last word with a number of its own; of the last G or M word if there is none.
     pub(super) fn last_columns(&self) -> Option<Range<usize>> {
         let present = self.columns.iter().enumerate().filter(|(index, _)| {
@@ -248,6 +277,11 @@ impl Block {
         }
     }
 
+    /// Leaves out words.
+    pub(super) fn drop(&mut self, letters: Letters) {
+        self.present = self.present.without(letters);
+    }
+
     /// Gives the number of `from` to `to` instead, if it is there and the other one is not.
     pub(super) fn rename(&mut self, from: Letter, to: Letter) {
         let Some(value) = self.get(from).filter(|_| self.get(to).is_none()) else { return };
@@ -257,11 +291,6 @@ impl Block {
             (*slot, *place) = (value, columns);
             self.present = self.present.without(Letters(from.bit())).with(Letters(to.bit()));
         }
-    }
-
-    /// The bytes of the last G or M word.
-    pub(super) fn code_columns(&self) -> Option<Range<usize>> {
-        self.code.clone()
     }
 
     /// The same block with these coordinates in place of the polar ones.
@@ -291,7 +320,7 @@ impl Block {
         }
         let result = match upper {
             b'G' => self.add_g(value),
-            b'M' => self.add_m(value, strict),
+            b'M' => self.add_m(value, &columns, strict),
             _ => self.add_word(Letter::new(upper), value, &columns),
         };
         if let Err(error) = result {
@@ -338,7 +367,12 @@ impl Block {
         })
     }
 
-    fn add_m(&mut self, value: f64, strict: bool) -> Result<(), DecodeError> {
+    fn add_m(
+        &mut self,
+        value: f64,
+        columns: &Range<usize>,
+        strict: bool,
+    ) -> Result<(), DecodeError> {
         let unsupported = || DecodeError::UnsupportedCode { letter: 'M', number: value };
         self.m_count += 1;
         if self.m_count > MAX_M_WORDS {
@@ -351,8 +385,9 @@ impl Block {
             let conflict = DecodeError::Conflict { letter: 'M', number: value };
             return if before.is_none() { Ok(()) } else { Err(conflict) };
         }
-        if strict && !MWords::knows(number) {
-            return Err(unsupported());
+        if !strict && !MWords::knows(number) {
+            self.other_m.push((number, columns.clone()));
+            return Ok(());
         }
         self.m.add(number).map_err(|error| match error {
             CodeError::Unsupported => unsupported(),
@@ -367,20 +402,21 @@ impl Block {
     pub(super) fn check_subroutine(&self, m: u16) -> Result<(u32, u32), Problem> {
         let used = if m == 98 { Letters::of(&[Letter::L, Letter::P]) } else { Letters::default() };
         let other = self.letters().without(used).first();
-        let code = match (self.g == GWords::default(), self.m == MWords::default()) {
+        let has_m = self.m != MWords::default() || !self.other_m.is_empty();
+        let code = match (self.g == GWords::default(), !has_m) {
             (false, _) => Some('G'),
             (_, false) => Some('M'),
             _ => None,
         };
         if let Some(letter) = other.map(Letter::as_char).or(code) {
-            let columns = other.and_then(|letter| self.columns(letter));
-            return Err(Problem { columns, error: FlowError::Beside(letter).into() });
+            let error = FlowError::Beside(letter);
+            return Err(other.map_or_else(|| error.clone().into(), |at| self.at(at, error.clone())));
         }
         if m != 98 {
             return Ok((0, 0));
         }
         let program = self.whole_within(Letter::P, 0, MAX_PROGRAM)?;
-        let program = program.ok_or(DecodeError::from(FlowError::MissingProgram))?;
+        let program = program.ok_or(FlowError::MissingProgram)?;
         Ok((program, self.whole(Letter::L, 0)?.unwrap_or(1)))
     }
 
@@ -398,9 +434,8 @@ impl Block {
         if value > limit {
             return Ok(());
         }
-        let columns = self.get(letter).and_then(|_| self.columns(letter));
-        let (code, letter) = (code.to_owned(), letter.as_char());
-        Err(Problem { columns, error: DecodeError::TooSmall { code, letter, value, limit } })
+        let (code, name) = (code.to_owned(), letter.as_char());
+        Err(self.at(letter, DecodeError::TooSmall { code, letter: name, value, limit }))
     }
 
     /// The number of a word that takes whole numbers of at least `min`; `None` if it is not there.
@@ -434,7 +469,7 @@ impl Block {
     /// # Errors
     /// Those of [`Self::whole`].
     pub(super) fn whole_at(&self, letter: Letter, min: u32) -> Result<Option<u32>, Problem> {
-        self.whole(letter, min).map_err(|error| Problem { columns: self.columns(letter), error })
+        self.whole(letter, min).map_err(|error| self.at(letter, error))
     }
 }
 

@@ -17,7 +17,6 @@ use super::leniency::Leniency;
 use super::output::Output;
 use super::parameters::Target;
 use super::state::State;
-use super::word::MWords;
 use twin_path::{ElementKind, MParameters};
 
 /// Parameter with the value that M66 has read.
@@ -41,7 +40,7 @@ pub(super) fn m_letters(block: &Block) -> Letters {
     if matches!(block.m.overrides, Some(50..=53)) {
         letters = letters.with(Letters::of(&[Letter::P]));
     }
-    if block.m.user.is_some() {
+    if block.m.user.is_some() || !block.other_m.is_empty() {
         letters = letters.with(Letters::of(&[Letter::P, Letter::Q]));
     }
     letters
@@ -78,13 +77,13 @@ impl State {
     /// M100 to M199, and other numbers than those of LinuxCNC.
     ///
     /// # Errors
-    /// [`DecodeError::UnsupportedCode`] for the latter, where it is strict.
+    /// That of [`Self::forgive`].
     pub(super) fn call_user(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        if let Some(number) = block.m.user {
-            if !MWords::knows(number) {
-                self.forgive(Leniency::UnknownM(number), block.code_columns(), out)?;
-            }
-            let (k, l) = (block.get(Letter::P), block.get(Letter::Q));
+        for (number, columns) in &block.other_m {
+            self.forgive(Leniency::UnknownM(*number), Some(columns.clone()), out)?;
+        }
+        let (k, l) = (block.get(Letter::P), block.get(Letter::Q));
+        for number in block.other_m.iter().map(|(number, _)| *number).chain(block.m.user) {
             self.stand(ElementKind::MFunction { number }, MParameters { k, l, o: None }, out);
         }
         Ok(())
@@ -104,23 +103,20 @@ fn wait(block: &Block) -> Result<MParameters, Problem> {
     let (digital, analog) = (channel(Letter::P)?, channel(Letter::E)?);
     let kind = block.whole_at(Letter::L, 0)?.unwrap_or(0);
     let timeout = block.get(Letter::Q).unwrap_or(0.0).max(0.0);
-    let at = |letter: Letter, error| Problem { columns: block.columns(letter), error };
     match (digital, analog) {
         (None, None) => {
             let input = "the number of its input: P if it is digital, E if it is analog";
             return Err(DecodeError::missing("M66", input).into());
         }
-        (Some(_), Some(_)) => return Err(at(Letter::E, DecodeError::WaitForTwoInputs)),
-        (None, Some(_)) if kind > 0 => return Err(at(Letter::L, DecodeError::WaitForAnalog)),
+        (Some(_), Some(_)) => return Err(block.at(Letter::E, DecodeError::WaitForTwoInputs)),
+        (None, Some(_)) if kind > 0 => return Err(block.at(Letter::L, DecodeError::WaitForAnalog)),
         _ => {}
     }
     if kind > MAX_WAIT {
-        let (value, max) = (f64::from(kind), f64::from(MAX_WAIT));
-        let error = DecodeError::OutOfRange { letter: 'L', value, min: 0.0, max, unit: "" };
-        return Err(at(Letter::L, error));
+        block.within(Letter::L, f64::from(kind), [0.0, f64::from(MAX_WAIT)], "")?;
     }
     if kind > 0 && timeout <= 0.0 {
-        return Err(at(Letter::L, DecodeError::WaitWithoutTimeout));
+        return Err(block.at(Letter::L, DecodeError::WaitWithoutTimeout));
     }
     let o = Some([f64::from(kind), timeout, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     Ok(MParameters { k: digital, l: analog, o })

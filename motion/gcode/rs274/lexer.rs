@@ -3,7 +3,7 @@
 use super::block::{Assignment, Block};
 use super::error::{DecodeError, Problem};
 use super::expression::ExpressionError;
-use super::flow::{Keyword, Label};
+use super::flow::{FlowError, Keyword, Label};
 use super::message::Message;
 use super::state::State;
 use crate::number;
@@ -40,6 +40,11 @@ pub(super) fn lex(
         }
         return None;
     }
+    if let Some((statement, rewrite)) = lexer.macro_statement() {
+        let error = FlowError::Macro { statement, rewrite }.into();
+        problems.push(lexer.problem(lexer.at, line.len(), error));
+        return None;
+    }
     while let Some(byte) = lexer.peek() {
         let result = match byte {
             b';' => return None,
@@ -61,7 +66,7 @@ pub(super) fn lex(
 pub(super) struct Lexer<'a> {
     pub(super) line: &'a [u8],
     pub(super) at: usize,
-    /// Nesting of the value at hand.
+    /// Nesting of the current value.
     pub(super) depth: u32,
     pub(super) state: &'a State,
 }

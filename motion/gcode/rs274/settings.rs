@@ -34,6 +34,11 @@ pub enum OffsetError {
         "{0} cannot be used with G43.2, which takes only H; give offsets in axis words with G43.1"
     )]
     AxisWithH(char),
+    /// G59 P of Mach3 above 9.
+    #[error(
+        "the work offset G59 P{0} is not read: there are 1 to 9 (G54 to G59.3); set one of them to its values (G10 L2 P9) and select that"
+    )]
+    System(u32),
     /// An arc in G18 or G19 in a rotated coordinate system.
     #[error(
         "arcs in G18 and G19 are not supported in a coordinate system that is rotated by {} degrees; use G17, or a system without rotation (G10 L2 R0)",
@@ -114,14 +119,14 @@ impl State {
     fn set_data(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
         let kind = block.whole_at(Letter::L, 0)?;
         match kind {
-            // Reads the tool table again, which nobody has changed.
+            // Reads the tool table again, which has not changed.
             Some(0) if self.tool != 0 => {
-                Err(at(block, Letter::L, OffsetError::LoadedTool(self.tool).into()))
+                Err(block.at(Letter::L, OffsetError::LoadedTool(self.tool)))
             }
             Some(0) => Ok(()),
             Some(l @ (1 | 10 | 11)) => self.set_tool_data(l, block, out),
             Some(l @ (2 | 20)) => self.set_system_data(l, block),
-            _ => Err(at(block, Letter::L, OffsetError::Kind(kind).into())),
+            _ => Err(block.at(Letter::L, OffsetError::Kind(kind))),
         }
     }
 
@@ -132,7 +137,7 @@ impl State {
             if l == 2 { &[Letter::I, Letter::J][..] } else { &[Letter::I, Letter::J, Letter::R] };
         for letter in unused {
             if block.get(*letter).is_some() {
-                return Err(at(block, *letter, DecodeError::UnusedWord(letter.as_char())));
+                return Err(block.at(*letter, DecodeError::UnusedWord(letter.as_char())));
             }
         }
         let system = self.offsets.system_of(system);
@@ -155,7 +160,7 @@ impl State {
         let number = number.ok_or_else(|| missing_number(l))?;
         let mut tool = self.find_tool(number, Letter::P, block, out)?;
         if !block.letters().meets(USED) {
-            return Err(DecodeError::from(OffsetError::NothingToSet(l)).into());
+            return Err(OffsetError::NothingToSet(l).into());
         }
         let values = self.axis_values(block)?;
         let mut offset = tool.position();
@@ -195,15 +200,15 @@ impl State {
         block: &Block,
         out: &mut Output,
     ) -> Result<Tool, Problem> {
-        let columns = || block.get(letter).and_then(|_| block.columns(letter));
         if let Some(tool) = self.tools.as_ref().and_then(|tools| tools.get(number)) {
             return Ok(*tool);
         }
         if !self.assumes_tools && number != 0 {
-            return Err(Problem { columns: columns(), error: DecodeError::UnknownTool(number) });
+            return Err(block.at(letter, DecodeError::UnknownTool(number)));
         }
         if number != 0 && block.g.tool_length.is_some() {
-            out.warning(columns(), DecodeError::NoToolTable(number));
+            let columns = block.get(letter).and_then(|_| block.columns(letter));
+            out.warning(columns, DecodeError::NoToolTable(number));
         }
         Ok(Tool { number, ..Tool::default() })
     }
@@ -250,8 +255,7 @@ impl State {
             ToolLength::Added => {
                 let mut axes = Letter::AXES.into_iter();
                 if let Some(letter) = axes.find(|letter| block.get(*letter).is_some()) {
-                    let error = OffsetError::AxisWithH(letter.as_char());
-                    return Err(at(block, letter, error.into()));
+                    return Err(block.at(letter, OffsetError::AxisWithH(letter.as_char())));
                 }
                 let number = named.ok_or_else(|| {
                     DecodeError::missing("G43.2", "H, the tool whose offset is added")
@@ -273,10 +277,6 @@ impl State {
         let now = self.location.machine;
         Ok(self.note_extra(&before, &now)?)
     }
-}
-
-fn at(block: &Block, letter: Letter, error: DecodeError) -> Problem {
-    Problem { columns: block.get(letter).and_then(|_| block.columns(letter)), error }
 }
 
 fn missing_number(l: u32) -> DecodeError {
@@ -301,12 +301,5 @@ fn limited(
     max: f64,
     unit: &'static str,
 ) -> Result<Option<f64>, Problem> {
-    match value {
-        Some(value) if value.is_nan() || value.abs() > max => {
-            let error =
-                DecodeError::OutOfRange { letter: letter.as_char(), value, min: -max, max, unit };
-            Err(at(block, letter, error))
-        }
-        value => Ok(value),
-    }
+    value.map(|value| block.within(letter, value, [-max, max], unit)).transpose()
 }

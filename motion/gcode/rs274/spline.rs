@@ -123,14 +123,11 @@ impl State {
         let start = Point3::from(self.location.machine.linear);
         let corner = pair(Spline::Nurbs, block, [Letter::X, Letter::Y])?;
         let weight = block.get(Letter::P);
-        if let Some(value) = weight.filter(|it| !(1.0 / MAX_WEIGHT..=MAX_WEIGHT).contains(it)) {
-            let (min, max) = (1.0 / MAX_WEIGHT, MAX_WEIGHT);
-            let error = DecodeError::OutOfRange { letter: 'P', value, min, max, unit: "" };
-            return Err(Problem { columns: block.columns(Letter::P), error });
+        if let Some(value) = weight {
+            block.within(Letter::P, value, [1.0 / MAX_WEIGHT, MAX_WEIGHT], "")?;
         }
         if self.nurbs.is_some() && corner.is_none() && weight.is_some() {
-            let columns = block.columns(Letter::P);
-            return Err(Problem { columns, error: DecodeError::WeightOfStart });
+            return Err(block.at(Letter::P, DecodeError::WeightOfStart));
         }
         if weight.is_none() && (self.nurbs.is_some() || corner.is_some()) {
             return Err(DecodeError::missing("each control point of G5.2", "its weight P").into());

@@ -17,7 +17,7 @@ use super::spindle::SurfaceSpeed;
 use super::spline::Nurbs;
 use super::tool_table::ToolTable;
 use super::travel::Axis;
-use super::word::{Compensate, FeedMode, Motion, OneShot, PathControl, Spline, ToolLength};
+use super::word::{Compensate, FeedMode, Motion, OneShot, PathControl, Spline, Thread, ToolLength};
 use std::ops::Range;
 use twin_path::{ElementKind, MParameters, Plane, Words};
 
@@ -51,10 +51,10 @@ pub(super) struct State {
     pub(super) deceleration: f64,
     pub(super) keep_empty_moves: bool,
     pub(super) keep_words: bool,
-    /// Those of the block at hand.
+    /// Those of the current block.
     pub(super) words: Words,
-    /// The move at hand follows the angle of the spindle.
-    pub(super) synchronized: bool,
+    /// Speed with which the current move follows the angle of the spindle, revolutions per minute.
+    pub(super) synchronized: Option<f64>,
     /// Refuses what LinuxCNC refuses.
     pub(super) strict: bool,
     /// The control that the program is meant for.
@@ -114,7 +114,7 @@ pub(super) struct State {
     /// Mist (M7) and flood (M8).
     pub(super) coolant: [bool; 2],
     pub(super) overrides: Overrides,
-    /// States saved by M70 and M73: of the program, then of each subroutine in work.
+    /// States saved by M70 and M73: of the program, then of each open subroutine.
     pub(super) saved: Vec<Saved>,
     pub(super) selected_tool: Option<u32>,
     pub(super) tool: u32,
@@ -136,7 +136,7 @@ impl State {
             keep_empty_moves: options.keep_empty_moves,
             keep_words: options.keep_words,
             words: Words::default(),
-            synchronized: false,
+            synchronized: None,
             strict: options.strict,
             control: options.control,
             numbers_of: options.numbers_of.or(options.control),
@@ -183,13 +183,6 @@ impl State {
         state
     }
 
-    fn remark(&self, leniency: Leniency, columns: Option<Range<usize>>, out: &mut Output) {
-        match self.control {
-            Some(control) => control::forgive(control, leniency, columns, out),
-            None => out.remark(columns, DecodeError::Lenient(leniency), false),
-        }
-    }
-
     /// Passes over what LinuxCNC refuses, with a warning.
     ///
     /// # Errors
@@ -203,7 +196,10 @@ impl State {
         if self.strict {
             return Err(Problem { columns, error: leniency.refusal() });
         }
-        self.remark(leniency, columns, out);
+        match self.control {
+            Some(control) => control::forgive(control, leniency, columns, out),
+            None => out.remark(columns, DecodeError::Lenient(leniency), false),
+        }
         Ok(())
     }
 
@@ -218,11 +214,6 @@ impl State {
         if let Some(motion) = block.g.motion {
             self.set_motion(motion);
         }
-    }
-
-    /// A missing F has been reported.
-    pub(super) fn forgive_missing_feed(&mut self) {
-        self.feed_reported = true;
     }
 
     /// Does what a block asks for; false if the program ends with it.
@@ -278,7 +269,7 @@ impl State {
             self.set_motion(motion);
         }
         if let Some(motion) = motion {
-            self.assume_feed(motion, block, out);
+            self.assume_feed(motion, block, out)?;
             let cartesian;
             let block = if block.letters().meets(Letters::POLAR) {
                 cartesian = self.without_polar(block)?;
@@ -419,8 +410,7 @@ impl State {
             used = used.with(Letters::of(&[Letter::Q]));
         }
         if let Some(letter) = block.letters().without(used).first() {
-            let error = DecodeError::UnusedWord(letter.as_char());
-            return Err(Problem { columns: block.columns(letter), error });
+            return Err(block.at(letter, DecodeError::UnusedWord(letter.as_char())));
         }
         if block.letters().meets(Letters::POLAR) {
             let coordinates = Letters::of(&[Letter::X, Letter::Y]);
@@ -451,13 +441,7 @@ impl State {
         letter: Letter,
         max: f64,
     ) -> Result<Option<f64>, Problem> {
-        let Some(value) = block.get(letter) else { return Ok(None) };
-        if (0.0..=max).contains(&value) {
-            return Ok(Some(value));
-        }
-        let error =
-            DecodeError::OutOfRange { letter: letter.as_char(), value, min: 0.0, max, unit: "" };
-        Err(Problem { columns: block.columns(letter), error })
+        block.get(letter).map(|value| block.within(letter, value, [0.0, max], "")).transpose()
     }
 
     fn set_feed(&mut self, block: &Block) -> Result<(), Problem> {
@@ -479,16 +463,22 @@ impl State {
     }
 
     /// Gives a program that has set none a feed.
-    fn assume_feed(&mut self, motion: Motion, block: &Block, out: &mut Output) {
+    fn assume_feed(
+        &mut self,
+        motion: Motion,
+        block: &Block,
+        out: &mut Output,
+    ) -> Result<(), Problem> {
         let needs_none = matches!(motion, Motion::Rapid | Motion::Off | Motion::Thread(_));
         if self.feed_given || self.strict || needs_none || self.feed_mode != FeedMode::PerMinute {
-            return;
+            return Ok(());
         }
         self.feed = Some(Feed::ASSUMED);
         // An F that could not be read has been reported.
-        if !self.feed_reported {
-            self.remark(Leniency::NoFeed, block.last_columns(), out);
+        if self.feed_reported {
+            return Ok(());
         }
+        self.forgive(Leniency::NoFeed, block.last_columns(), out)
     }
 
     fn set_tool_and_speed(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
@@ -602,7 +592,7 @@ impl State {
     }
 }
 
-/// The axes that a block names; a canned cycle names the normal of its plane too, a thread X, Y and Z.
+/// The axes that a block names; a canned cycle names the normal of its plane too, G76 X and Z.
 fn words_of(block: &Block, motion: Option<Motion>, axes: [Axis; 3]) -> Words {
     let [.., normal] = axes;
     let letters = block.letters();
@@ -611,7 +601,7 @@ fn words_of(block: &Block, motion: Option<Motion>, axes: [Axis; 3]) -> Words {
         Letter::AXES.get(axis).is_some_and(|letter| letters.contains(*letter))
             || (polar && axis < 2)
             || (matches!(motion, Some(Motion::Cycle(_))) && axis == normal.index)
-            || (matches!(motion, Some(Motion::Thread(_))) && axis < 3)
+            || (motion == Some(Motion::Thread(Thread::Cycle)) && matches!(axis, 0 | 2))
     };
     Words { named: std::array::from_fn(names), ..Words::default() }
 }

@@ -51,7 +51,7 @@ struct Search {
     from: u32,
 }
 
-/// A loop or condition in work.
+/// An open loop or condition.
 #[derive(Clone, Debug)]
 struct Open {
     label: Label,
@@ -62,7 +62,7 @@ struct Open {
     count: u64,
 }
 
-/// A subroutine in work.
+/// A subroutine that has been called and has not ended.
 #[derive(Debug)]
 struct Called {
     sub: Label,
@@ -144,7 +144,7 @@ impl Flow {
         }
     }
 
-    /// Line of the program whose call is in work.
+    /// Line of the program whose call is open.
     pub(super) fn main_line(&self) -> u32 {
         self.calls.first().map_or(self.next.line, |call| call.back.line)
     }
@@ -308,7 +308,7 @@ impl Flow {
         }
     }
 
-    /// The innermost loop or condition of `label` that is open in the subroutine at hand.
+    /// The innermost loop or condition of `label` that is open in the current subroutine.
     fn find(&self, label: &Label, kinds: &[Keyword]) -> Option<usize> {
         let first = self.calls.last().map_or(0, |call| call.opened);
         let fits = |open: &Open| open.label == *label && kinds.contains(&open.kind);
