@@ -286,6 +286,7 @@ fn checked(
     outcome.elements = items.elements();
     outcome.length = items.length();
     // Nothing of a job has a feed.
+    let is_job = program.dialect() == Dialect::Job;
     let without_feed = outcome.findings.iter_mut().filter(|_| is_job);
     without_feed.for_each(|finding| finding.largest_feed_mm_per_s = None);
     Ok(outcome)

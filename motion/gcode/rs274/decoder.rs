@@ -179,7 +179,7 @@ impl<R: BufRead> Decoder<R> {
     /// Reports what the control does with a line of %.
     fn note_percent(&mut self) {
         if let Some(control) = self.state.control {
-            control::check(control, b"%", &Block::default(), None, &self.state, &mut self.out);
+            control::percent(control, &mut self.out);
         }
     }
 
@@ -302,10 +302,12 @@ impl<R: BufRead> Decoder<R> {
         let has_l = self.block.get(Letter::L).is_some();
         let calls = |control: Control| control.calls((program, count), has_l);
         let (program, count) = self.state.numbers_of.map_or((program, count), calls);
-        let effect = if m == 98 {
-            self.flow.call_numbered(program.into(), count)
+        let effect = if m == 98 && count == 0 {
+            return Ok(());
+        } else if m == 98 {
+            self.flow.call(Label::of_number(program.into()), Keyword::Program, None, count)
         } else if self.flow.is_in_subroutine() {
-            self.flow.return_numbered()
+            self.flow.leave("M99", Keyword::Program, None)
         } else {
             self.out.warning(None, FlowError::EndlessProgram.into());
             self.ended = true;
@@ -388,7 +390,7 @@ impl<R: BufRead> Decoder<R> {
                 self.flow.save(saved);
                 let Some(label) = unknown else { return };
                 match self.source.open(label.text()) {
-                    Ok(Some(file)) => self.flow.go_to_file(file),
+                    Ok(Some(file)) => self.flow.next = Spot { file: Some(file), line: 0 },
                     // Perhaps it follows.
                     Ok(None) => {}
                     Err(cause) => {

@@ -32,16 +32,16 @@ const MAX_WAIT: u32 = 4;
 pub(super) fn m_letters(block: &Block) -> Letters {
     let mut letters = Letters::default();
     letters = letters.with(match block.m.input_output {
-        Some(62..=65) => Letters::of(&[Letter::P]),
-        Some(66) => Letters::of(&[Letter::P, Letter::E, Letter::L, Letter::Q]),
-        Some(_) => Letters::of(&[Letter::E, Letter::Q]),
+        Some(62..=65) => Letters::of("P"),
+        Some(66) => Letters::of("PELQ"),
+        Some(_) => Letters::of("EQ"),
         None => Letters::default(),
     });
     if matches!(block.m.overrides, Some(50..=53)) {
-        letters = letters.with(Letters::of(&[Letter::P]));
+        letters = letters.with(Letters::of("P"));
     }
     if block.m.user.is_some() || !block.other_m.is_empty() {
-        letters = letters.with(Letters::of(&[Letter::P, Letter::Q]));
+        letters = letters.with(Letters::of("PQ"));
     }
     letters
 }
@@ -101,7 +101,7 @@ pub(super) fn rounded(block: &Block, letter: Letter) -> Result<Option<u32>, Prob
 fn wait(block: &Block) -> Result<MParameters, Problem> {
     let channel = |letter| rounded(block, letter).map(|it| it.map(f64::from));
     let (digital, analog) = (channel(Letter::P)?, channel(Letter::E)?);
-    let kind = block.whole_at(Letter::L, 0)?.unwrap_or(0);
+    let kind = block.whole(Letter::L, 0)?.unwrap_or(0);
     let timeout = block.get(Letter::Q).unwrap_or(0.0).max(0.0);
     match (digital, analog) {
         (None, None) => {

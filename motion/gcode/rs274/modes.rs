@@ -57,7 +57,7 @@ pub(super) struct Saved {
 }
 
 impl State {
-    /// The modal state at hand.
+    /// The current modal state.
     pub(super) fn save_modes(&self) -> Modes {
         Modes {
             words: GWords {

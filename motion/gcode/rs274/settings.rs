@@ -117,7 +117,7 @@ impl State {
 
     /// G10.
     fn set_data(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        let kind = block.whole_at(Letter::L, 0)?;
+        let kind = block.whole(Letter::L, 0)?;
         match kind {
             // Reads the tool table again, which has not changed.
             Some(0) if self.tool != 0 => {
@@ -154,9 +154,8 @@ impl State {
 
     /// G10 L1, L10 and L11.
     fn set_tool_data(&mut self, l: u32, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        const USED: Letters =
-            Letters::AXES.with(Letters::of(&[Letter::I, Letter::J, Letter::Q, Letter::R]));
-        let number = block.whole_at(Letter::P, 1)?;
+        const USED: Letters = Letters::AXES.with(Letters::of("IJQR"));
+        let number = block.whole(Letter::P, 1)?;
         let number = number.ok_or_else(|| missing_number(l))?;
         let mut tool = self.find_tool(number, Letter::P, block, out)?;
         if !block.letters().meets(USED) {
@@ -242,7 +241,7 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         let Some(kind) = block.g.tool_length else { return Ok(()) };
-        let named = block.whole_at(Letter::H, 0)?;
+        let named = block.whole(Letter::H, 0)?;
         let mut offset = *self.offsets.tool();
         match kind {
             ToolLength::Off => offset = Position::default(),
@@ -286,7 +285,7 @@ fn missing_number(l: u32) -> DecodeError {
 
 /// The number of a word that takes whole numbers from 0 to 9.
 fn digit(block: &Block, letter: Letter) -> Result<Option<u32>, Problem> {
-    let found = block.whole_at(letter, 0)?;
+    let found = block.whole(letter, 0)?;
     if found.is_some_and(|value| value > MAX_DIGIT) {
         State::in_range(block, letter, f64::from(MAX_DIGIT))?;
     }

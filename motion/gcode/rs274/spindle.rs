@@ -25,7 +25,7 @@ impl State {
         let uses = block.m.spindle.is_some()
             || block.get(Letter::S).is_some()
             || matches!(motion, Some(Motion::Thread(_)));
-        if uses { Letters::of(&[Letter::SPINDLE]) } else { Letters::default() }
+        if uses { Letters::of("$") } else { Letters::default() }
     }
 
     /// Checks that `$` is the only spindle, or all of them (-1) where LinuxCNC takes that.

@@ -43,7 +43,7 @@ impl Feed {
 }
 
 /// The interpreter between two blocks.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "modes of the language, each on or off")]
 pub(super) struct State {
     pub(super) rapid_velocity: f64,
@@ -125,18 +125,12 @@ impl State {
     pub(super) fn new(options: DecoderOptions) -> Self {
         let offsets = Offsets::new(&options);
         let location = Location::new(options.start, &offsets, options.units);
-        let mut parameters = Parameters::new();
-        for (number, value) in options.parameters.iter() {
-            parameters.set(number, value);
-        }
         let mut state = Self {
             rapid_velocity: options.rapid_velocity,
             acceleration: options.acceleration,
             deceleration: options.deceleration,
             keep_empty_moves: options.keep_empty_moves,
             keep_words: options.keep_words,
-            words: Words::default(),
-            synchronized: None,
             strict: options.strict,
             control: options.control,
             numbers_of: options.numbers_of.or(options.control),
@@ -146,39 +140,14 @@ impl State {
             probe_settle_ns: options.probe_settle_ns,
             offsets,
             location,
-            compensation: Compensation::default(),
-            path_end: None,
             extra: options.start.extra_axes().iter().any(|position| *position != 0.0),
-            shared: None,
             units: options.units,
-            plane: Plane::Xy,
-            parallel_plane: false,
-            motion: Motion::Off,
-            motion_given: false,
-            relative: false,
-            absolute_centers: false,
-            diameters: false,
-            feed_mode: FeedMode::default(),
-            initial_level: false,
-            path_mode: PathMode::default(),
-            feed: None,
-            feed_word: 0.0,
-            feed_given: false,
-            feed_reported: false,
-            uncertain: Letters::default(),
-            series: Series::default(),
-            spline_start: [0.0; 2],
-            nurbs: None,
-            speed: None,
-            surface_speed: None,
-            spindle: None,
-            coolant: [false; 2],
-            overrides: Overrides::default(),
-            saved: Vec::new(),
-            selected_tool: None,
             tool: options.tool,
-            parameters,
+            ..Self::default()
         };
+        for (number, value) in options.parameters.iter() {
+            state.parameters.set(number, value);
+        }
         state.load_tool(options.tool);
         state
     }
@@ -351,11 +320,11 @@ impl State {
 
     /// Checks that each word of `block` has something to act on.
     fn check_words(&self, block: &Block, motion: Option<Motion>) -> Result<(), Problem> {
-        const PLAIN: Letters = Letters::AXES.with(Letters::of(&[Letter::F, Letter::S, Letter::T]));
+        const PLAIN: Letters = Letters::AXES.with(Letters::of("FST"));
         let mut used = PLAIN.with(m_letters(block));
         match motion {
             Some(Motion::Arc { .. }) => {
-                used = used.with(Letters::CENTER).with(Letters::of(&[Letter::P, Letter::R]));
+                used = used.with(Letters::CENTER).with(Letters::of("PR"));
             }
             Some(Motion::Spline(spline)) => {
                 used = used.without(Letters::AXES).with(spline.words());
@@ -369,51 +338,32 @@ impl State {
                 used = used.without(Letters::ROTARY.with(other)).with(cycle.words());
             }
             Some(Motion::Thread(thread)) => {
-                used = thread.words().with(Letters::of(&[Letter::S, Letter::T]));
+                used = thread.words().with(Letters::of("ST"));
             }
             _ => {}
         }
         used = used.with(Self::spindle_words(block, motion));
-        if block.g.one_shot == Some(OneShot::Dwell) {
-            used = used.with(Letters::of(&[Letter::P]));
-        }
-        if block.g.path_control == Some(PathControl::Blend) {
-            used = used.with(Letters::of(&[Letter::P, Letter::Q]));
-        }
-        if matches!(block.g.compensation, Some(Compensate::Diameter { .. })) {
-            // LinuxCNC passes over it.
-            used = used.with(Letters::of(&[Letter::R]));
-        }
-        if block.g.compensation.is_some_and(|word| word != Compensate::Off) {
-            used = used.with(Letters::of(&[Letter::D, Letter::L]));
-        }
-        if matches!(block.g.tool_length, Some(ToolLength::Table | ToolLength::Added)) {
-            used = used.with(Letters::of(&[Letter::H]));
-        }
-        if block.g.surface_speed == Some(true) {
-            used = used.with(Letters::of(&[Letter::D]));
-        }
-        if block.m.spindle == Some(19) {
-            used = used.with(Letters::of(&[Letter::P, Letter::Q, Letter::R]));
-        }
-        if block.g.one_shot == Some(OneShot::SetData) {
-            used = used.with(Letters::of(&[
-                Letter::I,
-                Letter::J,
-                Letter::L,
-                Letter::P,
-                Letter::Q,
-                Letter::R,
-            ]));
-        }
-        if block.m.tool_change == Some(61) {
-            used = used.with(Letters::of(&[Letter::Q]));
-        }
+        let (g, m) = (&block.g, &block.m);
+        let mut takes = |is_there: bool, letters: &str| {
+            if is_there {
+                used = used.with(Letters::of(letters));
+            }
+        };
+        takes(g.one_shot == Some(OneShot::Dwell), "P");
+        takes(g.path_control == Some(PathControl::Blend), "PQ");
+        // LinuxCNC passes over it.
+        takes(matches!(g.compensation, Some(Compensate::Diameter { .. })), "R");
+        takes(g.compensation.is_some_and(|word| word != Compensate::Off), "DL");
+        takes(matches!(g.tool_length, Some(ToolLength::Table | ToolLength::Added)), "H");
+        takes(g.surface_speed == Some(true), "D");
+        takes(m.spindle == Some(19), "PQR");
+        takes(g.one_shot == Some(OneShot::SetData), "IJLPQR");
+        takes(m.tool_change == Some(61), "Q");
         if let Some(letter) = block.letters().without(used).first() {
             return Err(block.at(letter, DecodeError::UnusedWord(letter.as_char())));
         }
         if block.letters().meets(Letters::POLAR) {
-            let coordinates = Letters::of(&[Letter::X, Letter::Y]);
+            let coordinates = Letters::of("XY");
             if motion.is_none() || block.g.one_shot.is_some_and(|shot| shot != OneShot::Dwell) {
                 return Err(DecodeError::PolarWithoutMotion.into());
             }

@@ -27,17 +27,9 @@ impl Thread {
     /// The words of the motion; those of axes are among them.
     pub(super) fn words(self) -> Letters {
         match self {
-            Self::Straight => Letters::AXES.with(Letters::of(&[Letter::K])),
-            Self::RigidTap => AXES.with(Letters::of(&[Letter::I, Letter::K])),
-            Self::Cycle => AXES.with(Letters::CENTER).with(Letters::of(&[
-                Letter::E,
-                Letter::F,
-                Letter::H,
-                Letter::L,
-                Letter::P,
-                Letter::Q,
-                Letter::R,
-            ])),
+            Self::Straight => Letters::AXES.with(Letters::of("K")),
+            Self::RigidTap => AXES.with(Letters::of("IK")),
+            Self::Cycle => AXES.with(Letters::CENTER).with(Letters::of("EFHLPQR")),
         }
     }
 }

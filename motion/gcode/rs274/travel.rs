@@ -136,7 +136,7 @@ impl State {
                 self.interrupt_compensation(out);
                 self.location = to;
                 let [first, second, _] = self.axes().map(|axis| axis.letter);
-                let in_doubt = uncertain.meets(Letters::of(&[first, second]));
+                let in_doubt = uncertain.contains(first) || uncertain.contains(second);
                 if in_doubt && problem.error.depends_on_start() { Ok(()) } else { Err(problem) }
             }
         }

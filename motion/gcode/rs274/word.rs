@@ -5,7 +5,7 @@ use super::offsets::Home;
 use twin_path::{Plane, Probing};
 
 /// Group 1: what the axis words of this line and the following ones do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Motion {
     /// G0.
     Rapid,
@@ -25,6 +25,7 @@ pub(super) enum Motion {
     /// G73, G74 and G81 to G89.
     Cycle(Cycle),
     /// G80: nothing, axis words are errors.
+    #[default]
     Off,
 }
 

@@ -5,7 +5,7 @@ mod words;
 
 pub(super) use table::row;
 pub use table::{CONTROL_WORDS, Cell, ControlWord, Reading};
-pub(super) use words::{check, forgive, unequal_radii};
+pub(super) use words::{check, forgive, percent, unequal_radii};
 
 use super::block::{Block, Letter, Letters};
 use super::error::{DecodeError, Problem};
@@ -87,11 +87,11 @@ impl Control {
     pub(super) fn translate(self, block: &mut Block, motion: Motion) -> Result<(), Problem> {
         if self == Self::Mach3
             && block.g.system == Some(5)
-            && let Some(number) = block.whole_at(Letter::P, 1)?
+            && let Some(number) = block.whole(Letter::P, 1)?
         {
             let system = u8::try_from(number).ok().filter(|number| *number <= 9);
             block.g.system = Some(system.ok_or(OffsetError::System(number))? - 1);
-            block.drop(Letters::of(&[Letter::P]));
+            block.drop(Letters::of("P"));
         }
         if self != Self::Fanuc {
             return Ok(());

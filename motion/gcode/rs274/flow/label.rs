@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub(in crate::rs274) struct Label(Arc<str>);
 
 impl Label {
-    pub(super) fn of_number(number: i64) -> Self {
+    pub(in crate::rs274) fn of_number(number: i64) -> Self {
         Self(number.to_string().into())
     }
 

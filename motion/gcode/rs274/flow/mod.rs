@@ -15,7 +15,7 @@ mod error;
 mod label;
 
 use super::parameters::Locals;
-use super::source::{FileNumber, Spot};
+use super::source::Spot;
 use Keyword::{
     Break, Call, Continue, Do, Else, ElseIf, EndIf, EndRepeat, EndSub, EndWhile, If, Program,
     Repeat, Return, Sub, While,
@@ -266,30 +266,6 @@ impl Flow {
         Ok(Effect::None)
     }
 
-    /// Calls the subroutine of M98.
-    ///
-    /// # Errors
-    /// See [`FlowError`].
-    pub(super) fn call_numbered(&mut self, number: i64, count: u32) -> Result<Effect, FlowError> {
-        match count {
-            0 => Ok(Effect::None),
-            _ => self.call(Label::of_number(number), Program, None, count),
-        }
-    }
-
-    /// Returns from the subroutine at M99.
-    ///
-    /// # Errors
-    /// See [`FlowError`].
-    pub(super) fn return_numbered(&mut self) -> Result<Effect, FlowError> {
-        self.leave("M99", Program, None)
-    }
-
-    /// Goes on in the file of the subroutine that was called.
-    pub(super) fn go_to_file(&mut self, file: FileNumber) {
-        self.next = Spot { file: Some(file), line: 0 };
-    }
-
     /// Stores what the caller of the subroutine has saved.
     pub(super) fn save(&mut self, saved: Option<Locals>) {
         if let Some(call) = self.calls.last_mut() {
@@ -377,7 +353,11 @@ impl Flow {
         Ok(Effect::None)
     }
 
-    fn call(
+    /// Calls a subroutine `count` times, at least once.
+    ///
+    /// # Errors
+    /// See [`FlowError`].
+    pub(super) fn call(
         &mut self,
         sub: Label,
         style: Keyword,
@@ -401,7 +381,11 @@ impl Flow {
         Ok(Effect::Enter { arguments, unknown })
     }
 
-    fn leave(
+    /// Returns from a subroutine at `keyword`.
+    ///
+    /// # Errors
+    /// See [`FlowError`].
+    pub(super) fn leave(
         &mut self,
         keyword: &'static str,
         style: Keyword,

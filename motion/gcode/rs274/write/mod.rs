@@ -2,9 +2,8 @@
 
 mod block;
 mod control;
-mod error;
 
-pub use error::WriteError;
+pub use crate::write_error::WriteError;
 
 use super::Control;
 use super::arc::Ends;
