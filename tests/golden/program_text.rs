@@ -132,7 +132,22 @@ fn texts_of_other_systems() {
         assert_eq!(same, plain.stdout, "{file}");
         std::fs::write(desk.path(&other), utf_16(&text)).expect("written");
         run(&other).ended(2, "UTF-16 (little-endian); save it as UTF-8");
+        std::fs::write(desk.path(&other), b"PK\r\n\x14\0\x08\0\x02\x03").expect("written");
+        run(&other).ended(2, "this is not text: byte 0x14 at line 2, column 1");
     }
+}
+
+/// The line with the number of other findings names the option that shows them.
+#[test]
+fn all_findings_on_request() {
+    let desk = Desk::new();
+    let words: Vec<String> = (101..126).map(|number| format!("G{number}")).collect();
+    desk.write("p.ngc", &format!("{}\nM2\n", words.join("\n")));
+    let brief = desk.twin("check p.ngc -m machine.toml");
+    let brief = brief.ended(1, "more; `twin check -v` shows them");
+    assert!(!brief.stderr.contains("G125 is not supported"), "{}", brief.stderr);
+    let all = desk.twin("check p.ngc -m machine.toml -v").ended(1, "G125 is not supported");
+    assert!(!all.stderr.contains("`twin check -v`"), "{}", all.stderr);
 }
 
 /// Degrees of an additional axis are not millimetres, and no message is in metres.

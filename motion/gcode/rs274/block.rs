@@ -378,13 +378,13 @@ impl Block {
             _ => None,
         };
         if let Some(letter) = other.map(Letter::as_char).or(code) {
-            let error = FlowError::Beside(letter);
-            return Err(other.map_or_else(|| error.clone().into(), |at| self.at(at, error.clone())));
+            // Without another word A is not in the block, and the error is of the line.
+            return Err(self.at(other.unwrap_or(Letter::A), FlowError::Beside(letter)));
         }
         if m != 98 {
             return Ok((0, 0));
         }
-        let program = self.whole_within(Letter::P, 0, MAX_PROGRAM)?;
+        let program = self.whole_within(Letter::P, [0.0, MAX_PROGRAM])?;
         let program = program.ok_or(FlowError::MissingProgram)?;
         Ok((program, self.whole(Letter::L, 0)?.unwrap_or(1)))
     }
@@ -412,16 +412,21 @@ impl Block {
     /// # Errors
     /// [`DecodeError::NotWhole`] and [`DecodeError::OutOfRange`].
     pub(super) fn whole(&self, letter: Letter, min: u32) -> Result<Option<u32>, Problem> {
-        self.whole_within(letter, min, MAX_COUNT)
+        self.whole_within(letter, [f64::from(min), MAX_COUNT])
     }
 
-    fn whole_within(&self, letter: Letter, min: u32, max: f64) -> Result<Option<u32>, Problem> {
+    /// The same for numbers in `range`, which must not be below 0.
+    pub(super) fn whole_within(
+        &self,
+        letter: Letter,
+        range: [f64; 2],
+    ) -> Result<Option<u32>, Problem> {
         let Some(value) = self.get(letter) else { return Ok(None) };
         let rounded = value.round();
         if (value - rounded).abs() > WHOLE {
             return Err(self.at(letter, DecodeError::NotWhole { letter: letter.as_char(), value }));
         }
-        let whole = self.within(letter, rounded, [f64::from(min), max], "")?;
+        let whole = self.within(letter, rounded, range, "")?;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

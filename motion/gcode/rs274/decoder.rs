@@ -1,6 +1,6 @@
 //! Decoder: reads a program line by line.
 
-use super::block::{Block, Letter};
+use super::block::{Block, Letter, Letters};
 use super::control::{self, Control};
 use super::error::{DecodeError, Failure, Item, Problem};
 use super::flow::{Effect, Flow, FlowError, Keyword, Label, Statement};
@@ -260,7 +260,7 @@ impl<R: BufRead> Decoder<R> {
         self.problems.drain(..).for_each(|problem| self.out.error(problem));
         self.state.recover(&self.block, &mut self.out);
         if unread {
-            self.state.mark_uncertain();
+            self.state.uncertain = self.state.uncertain.with(Letters::LINEAR);
         }
         self.ended = matches!(self.block.m.stop, Some(2 | 30));
     }
@@ -306,7 +306,7 @@ impl<R: BufRead> Decoder<R> {
             return Ok(());
         } else if m == 98 {
             self.flow.call(Label::of_number(program.into()), Keyword::Program, None, count)
-        } else if self.flow.is_in_subroutine() {
+        } else if self.state.parameters.depth() > 0 {
             self.flow.leave("M99", Keyword::Program, None)
         } else {
             self.out.warning(None, FlowError::EndlessProgram.into());

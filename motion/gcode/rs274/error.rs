@@ -501,9 +501,7 @@ impl DecodeError {
     pub(super) fn missing(code: impl Into<String>, word: impl Into<String>) -> Self {
         Self::MissingWord { code: code.into(), word: word.into() }
     }
-}
 
-impl DecodeError {
     /// True if it may only be one of where an arc begins.
     pub(super) fn depends_on_start(&self) -> bool {
         matches!(

@@ -26,7 +26,7 @@ const RESULT: u16 = 5399;
 const MAX_NUMBER: f64 = 1e6;
 
 /// The last wait type of M66 (low).
-const MAX_WAIT: u32 = 4;
+const MAX_WAIT: f64 = 4.0;
 
 /// The words that M functions of inputs, outputs, overrides and the user take.
 pub(super) fn m_letters(block: &Block) -> Letters {
@@ -101,7 +101,7 @@ pub(super) fn rounded(block: &Block, letter: Letter) -> Result<Option<u32>, Prob
 fn wait(block: &Block) -> Result<MParameters, Problem> {
     let channel = |letter| rounded(block, letter).map(|it| it.map(f64::from));
     let (digital, analog) = (channel(Letter::P)?, channel(Letter::E)?);
-    let kind = block.whole(Letter::L, 0)?.unwrap_or(0);
+    let kind = block.whole_within(Letter::L, [0.0, MAX_WAIT])?.unwrap_or(0);
     let timeout = block.get(Letter::Q).unwrap_or(0.0).max(0.0);
     match (digital, analog) {
         (None, None) => {
@@ -111,9 +111,6 @@ fn wait(block: &Block) -> Result<MParameters, Problem> {
         (Some(_), Some(_)) => return Err(block.at(Letter::E, DecodeError::WaitForTwoInputs)),
         (None, Some(_)) if kind > 0 => return Err(block.at(Letter::L, DecodeError::WaitForAnalog)),
         _ => {}
-    }
-    if kind > MAX_WAIT {
-        block.within(Letter::L, f64::from(kind), [0.0, f64::from(MAX_WAIT)], "")?;
     }
     if kind > 0 && timeout <= 0.0 {
         return Err(block.at(Letter::L, DecodeError::WaitWithoutTimeout));

@@ -2,7 +2,6 @@
 
 use super::options::{DecoderOptions, LengthUnit, Position, ToolReference};
 use super::tool_table::Tool;
-use super::work_frame::unless_identity;
 use nalgebra::Isometry3;
 
 /// Numbers of the parameters that are kept here: home positions, G92, coordinate systems, tool in the spindle.
@@ -160,7 +159,8 @@ impl Offsets {
             values: vec![0.0; usize::from(LAST - FIRST) + 1],
             units: options.units,
             reference: options.reference,
-            work_frame: unless_identity(&options.work_frame),
+            // Where both frames are the same, numbers of the program stay what they are.
+            work_frame: Some(options.work_frame).filter(|frame| *frame != Isometry3::identity()),
             ..Self::default()
         };
         offsets.store(G28, &options.g28);

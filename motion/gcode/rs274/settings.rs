@@ -51,7 +51,7 @@ pub enum OffsetError {
 const MAX_ANGLE: f64 = 1e9;
 const MAX_LENGTH: f64 = 1e3;
 /// The largest number of a tool's orientation, and of a coordinate system.
-const MAX_DIGIT: u32 = 9;
+const MAX_DIGIT: f64 = 9.0;
 
 impl State {
     /// The axis words of `block`, m and degrees.
@@ -132,7 +132,8 @@ impl State {
 
     /// G10 L2 and L20.
     fn set_system_data(&mut self, l: u32, block: &Block) -> Result<(), Problem> {
-        let system = digit(block, Letter::P)?.ok_or_else(|| missing_number(l))?;
+        let system =
+            block.whole_within(Letter::P, [0.0, MAX_DIGIT])?.ok_or_else(|| missing_number(l))?;
         let unused =
             if l == 2 { &[Letter::I, Letter::J][..] } else { &[Letter::I, Letter::J, Letter::R] };
         for letter in unused {
@@ -180,7 +181,8 @@ impl State {
         }
         tool.front_angle = block.get(Letter::I).unwrap_or(tool.front_angle);
         tool.back_angle = block.get(Letter::J).unwrap_or(tool.back_angle);
-        tool.orientation = digit(block, Letter::Q)?
+        tool.orientation = block
+            .whole_within(Letter::Q, [0.0, MAX_DIGIT])?
             .and_then(|digit| u8::try_from(digit).ok())
             .unwrap_or(tool.orientation);
         self.tools.get_or_insert_default().insert(tool);
@@ -281,15 +283,6 @@ impl State {
 fn missing_number(l: u32) -> DecodeError {
     let system = "of the coordinate system (1 for G54 to 9 for G59.3, 0 for the one in force)";
     DecodeError::missing(format!("G10 L{l}"), format!("P: the number of the tool, or {system}"))
-}
-
-/// The number of a word that takes whole numbers from 0 to 9.
-fn digit(block: &Block, letter: Letter) -> Result<Option<u32>, Problem> {
-    let found = block.whole(letter, 0)?;
-    if found.is_some_and(|value| value > MAX_DIGIT) {
-        State::in_range(block, letter, f64::from(MAX_DIGIT))?;
-    }
-    Ok(found)
 }
 
 /// `value` if it is from -`max` to `max`.

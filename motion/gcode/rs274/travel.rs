@@ -328,11 +328,6 @@ impl State {
         }
     }
 
-    /// Doubts where the axes are, behind a block that could not be read.
-    pub(super) fn mark_uncertain(&mut self) {
-        self.uncertain = self.uncertain.with(Letters::LINEAR);
-    }
-
     /// Goes straight to `to` with the velocity of rapids.
     pub(super) fn rapid(&mut self, to: Location, out: &mut Output) {
         let shape = self.line_to(&to);

@@ -44,17 +44,20 @@ impl Control {
         Self::SoftMotion,
     ];
 
+    /// The names on the command line and those that the makers write, in the order of the variants.
+    const NAMES: [[&str; 2]; 7] = [
+        ["linuxcnc", "LinuxCNC"],
+        ["grbl", "grbl"],
+        ["grblhal", "grblHAL"],
+        ["fluidnc", "FluidNC"],
+        ["fanuc", "Fanuc"],
+        ["mach3", "Mach3"],
+        ["softmotion", "SoftMotion"],
+    ];
+
     /// Its name on the command line and in machine files.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::LinuxCnc => "linuxcnc",
-            Self::Grbl => "grbl",
-            Self::GrblHal => "grblhal",
-            Self::FluidNc => "fluidnc",
-            Self::Fanuc => "fanuc",
-            Self::Mach3 => "mach3",
-            Self::SoftMotion => "softmotion",
-        }
+        Self::NAMES[self as usize][0]
     }
 }
 
@@ -144,15 +147,7 @@ impl Control {
 /// The name as its makers write it.
 impl fmt::Display for Control {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::LinuxCnc => "LinuxCNC",
-            Self::Grbl => "grbl",
-            Self::GrblHal => "grblHAL",
-            Self::FluidNc => "FluidNC",
-            Self::Fanuc => "Fanuc",
-            Self::Mach3 => "Mach3",
-            Self::SoftMotion => "SoftMotion",
-        })
+        f.write_str(Self::NAMES[*self as usize][1])
     }
 }
 

@@ -149,11 +149,6 @@ impl Flow {
         self.calls.first().map_or(self.next.line, |call| call.back.line)
     }
 
-    /// True in a subroutine.
-    pub(super) fn is_in_subroutine(&self) -> bool {
-        !self.calls.is_empty()
-    }
-
     /// True if a line with this label and keyword ends the search.
     pub(super) fn finds(&self, label: &Label, keyword: Keyword) -> bool {
         let Some(search) = &self.search else { return true };

@@ -141,8 +141,10 @@ impl<W: Write> ProgramWriter<W> {
             }
             ElementKind::Probe { probing, outcome } => {
                 if outcome == ProbeOutcome::Tripped {
-                    let what = "a probing move without its programmed end, which the path lacks";
-                    return Err(WriteError::Inexpressible { place: element.place, what });
+                    return inexpressible(
+                        element,
+                        "a probing move without its programmed end, which the path lacks",
+                    );
                 }
                 self.line(element, Some(probing))?;
                 self.probed = Some(probing);
@@ -173,24 +175,23 @@ impl<W: Write> ProgramWriter<W> {
     /// Checks that words can express `element`, and that it goes on where the one before ended.
     fn check(&mut self, element: &PathElement) -> Result<(), WriteError> {
         let place = element.place;
-        let inexpressible = |what| Err(WriteError::Inexpressible { place, what });
         let (start, end) = (self.axes(element, false), self.axes(element, true));
         if element.marks != Marks::default() {
-            return inexpressible("G41 to G61 of DIN 66025; use --prepare");
+            return inexpressible(element, "G41 to G61 of DIN 66025; use --prepare");
         }
         if !element.switches().is_empty() {
-            return inexpressible("switches on the way (H)");
+            return inexpressible(element, "switches on the way (H)");
         }
         if let Some(details) = &element.details {
             let extra = details.extra.unwrap_or_default();
             if details.s_profile != AxisMask::default()
                 && ((start[2] - end[2]).abs() > 0.0 || extra.length() > 0.0)
             {
-                return inexpressible("the S profile (S3, S7 to S11)");
+                return inexpressible(element, "the S profile (S3, S7 to S11)");
             }
         }
         if element.kind == ElementKind::Jump && self.moved {
-            return inexpressible("a jump of the position (tool length or G92)");
+            return inexpressible(element, "a jump of the position (tool length or G92)");
         }
         if let Some(probing) = self.probed.filter(|_| element.kind.is_motion()) {
             return Err(WriteError::AfterProbe { place, probing });
@@ -250,8 +251,10 @@ impl<W: Write> ProgramWriter<W> {
         };
         self.check_word(element.place, "G33".to_owned())?;
         if self.thread == Some(true) {
-            let what = "rigid tapping (G33.1), whose spindle turns back in the thread: write that block by hand";
-            return Err(WriteError::Inexpressible { place: element.place, what });
+            return inexpressible(
+                element,
+                "rigid tapping (G33.1), whose spindle turns back in the thread: write that block by hand",
+            );
         }
         self.thread = Some(false);
         Ok(Some(self.feed_of(element) / spindle.speed))
@@ -302,8 +305,7 @@ impl<W: Write> ProgramWriter<W> {
         match &element.shape {
             Shape::Line { .. } => self.line(element, None),
             _ if element.kind == ElementKind::Rapid => {
-                let what = "a rapid along a curve";
-                Err(WriteError::Inexpressible { place: element.place, what })
+                inexpressible(element, "a rapid along a curve")
             }
             Shape::Arc(arc) => self.turns(element, arc),
             Shape::Ellipse(_) | Shape::Cubic(_) => self.lines(element),
@@ -319,8 +321,7 @@ impl<W: Write> ProgramWriter<W> {
         self.check_word(element.place, "G53".to_owned())?;
         let number = u8::from(element.kind != ElementKind::Rapid);
         if number == 1 && self.control == Control::Fanuc {
-            let what = "G53 with G1: Fanuc goes there at rapid";
-            return Err(WriteError::Inexpressible { place: element.place, what });
+            return inexpressible(element, "G53 with G1: Fanuc goes there at rapid");
         }
         let mut block = Block::new(element.place, self.control);
         block.push(&format!("G53 G{number}"));
@@ -388,8 +389,10 @@ impl<W: Write> ProgramWriter<W> {
             let changes = read_back(value, decimals).to_bits() != slot.to_bits();
             let is_unknown = !self.known[index] || self.foreign[index];
             if changes && is_unknown && !named[index] {
-                let what = "a move by G91 from a position that no block has named";
-                return Err(WriteError::Inexpressible { place: element.place, what });
+                return inexpressible(
+                    element,
+                    "a move by G91 from a position that no block has named",
+                );
             }
             let is_needed = named[index] && is_unknown;
             if !(changes || is_needed || forced.contains(&index)) {
@@ -503,8 +506,10 @@ impl<W: Write> ProgramWriter<W> {
             Plane::Yz => ("G19", [1, 2]),
         };
         if axes.iter().any(|axis| self.foreign[*axis]) {
-            let what = "an arc from a position in the machine frame (G28, G30, G53)";
-            return Err(WriteError::Inexpressible { place: element.place, what });
+            return inexpressible(
+                element,
+                "an arc from a position in the machine frame (G28, G30, G53)",
+            );
         }
         if self.plane != arc.plane() {
             block.push(plane);
@@ -643,6 +648,10 @@ impl<W: Write> ProgramWriter<W> {
         writeln!(self.out, "{}", block.text)?;
         Ok(())
     }
+}
+
+fn inexpressible<T>(element: &PathElement, what: &'static str) -> Result<T, WriteError> {
+    Err(WriteError::Inexpressible { place: element.place, what })
 }
 
 /// Words of the block of `element`, if it is one of RS274.
