@@ -132,8 +132,20 @@ fn texts_of_other_systems() {
         assert_eq!(same, plain.stdout, "{file}");
         std::fs::write(desk.path(&other), utf_16(&text)).expect("written");
         run(&other).ended(2, "UTF-16 (little-endian); save it as UTF-8");
-        std::fs::write(desk.path(&other), b"PK\r\n\x14\0\x08\0\x02\x03").expect("written");
-        run(&other).ended(2, "this is not text: byte 0x14 at line 2, column 1");
+    }
+}
+
+/// A file of another program is one error, whatever its ending says.
+#[test]
+fn binary_files() {
+    let desk = Desk::new();
+    for name in ["p.cnc", "p.ngc"] {
+        std::fs::write(desk.path(name), b"PK\r\n\x14\0\x08\0\x02\x03").expect("written");
+        for command in ["check", "path"] {
+            let done = desk.twin(&format!("{command} {name} -m machine.toml"));
+            let done = done.ended(2, "this is not a text program: byte 0x14 at line 2, column 1");
+            assert!(!done.stderr.contains("is not part of a word"), "{}", done.stderr);
+        }
     }
 }
 

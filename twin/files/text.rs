@@ -1,7 +1,7 @@
 //! Text files: encoding and line ends, recognised at the beginning of the text.
 //!
-//! All text files go through here. Text is UTF-8 or an 8-bit code page; UTF-16 and UTF-32 are refused by name, and so
-//! are binary data.
+//! All text files go through here. Text is UTF-8 or an 8-bit code page; UTF-16 and UTF-32 are refused by name, and as
+//! programs binary files.
 //! Lines end with LF or CR LF; lone CRs are read as LF, so that places in the file stay the same.
 
 use std::fs::File;
@@ -39,13 +39,21 @@ pub fn foreign_encoding(head: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Where data begin in `head` that are no text: the first control character, if one of them is 0 or there are many.
-fn binary_byte(head: &[u8]) -> Option<usize> {
+/// Refuses data that begin with `head` and have control characters: a 0, or many others.
+fn check_binary(head: &[u8]) -> io::Result<()> {
     // Without the blanks, the ends of lines and files, and ESC, 27, of tapes.
     let is_control = |byte: &u8| matches!(byte, 0..=8 | 14..=25 | 28..=31 | 127);
     let count = head.iter().filter(|byte| is_control(byte)).count();
     let is_binary = head.contains(&0) || (count > 1 && count > head.len() / MOST_CONTROLS);
-    is_binary.then(|| head.iter().position(|byte| is_control(byte)))?
+    let first = head.iter().enumerate().find(|(_, byte)| is_control(byte));
+    let Some((at, byte)) = first.filter(|_| is_binary) else { return Ok(()) };
+    let before = head.get(..at).unwrap_or_default();
+    let lines = (1_usize..).zip(before.split(|byte| *byte == b'\n'));
+    let (line, begun) = lines.last().unwrap_or((1, before));
+    let column = begun.len() + 1;
+    let message =
+        format!("this is not a text program: byte {byte:#04x} at line {line}, column {column}");
+    Err(io::Error::new(io::ErrorKind::InvalidData, message))
 }
 
 /// True if lines of the text that begins with `head` end with CR alone.
@@ -79,10 +87,26 @@ impl Text<File> {
     /// If it cannot be read, or is not text in UTF-8 or a code page.
     pub fn of(file: File) -> io::Result<Self> {
         let mut text = Self::new(file)?;
-        if text.inner.rewind().is_ok() {
-            text.head.clear();
-        }
+        text.rewind();
         Ok(text)
+    }
+
+    /// As [`Self::of`], for a program.
+    ///
+    /// # Errors
+    /// Those of [`Self::of`], and with the place of the first control character if the file is binary.
+    pub fn of_program(file: File) -> io::Result<Self> {
+        let mut text = Self::new(file)?;
+        check_binary(&text.head)?;
+        text.rewind();
+        Ok(text)
+    }
+
+    /// Goes back to the beginning, if the file can.
+    fn rewind(&mut self) {
+        if self.inner.rewind().is_ok() {
+            self.head.clear();
+        }
     }
 }
 
@@ -118,15 +142,6 @@ impl<R: Read> Text<R> {
         head.truncate(length);
         if let Some(encoding) = foreign_encoding(&head) {
             let message = format!("this is text in {encoding}; save it as UTF-8");
-            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
-        }
-        if let Some((at, byte)) = binary_byte(&head).and_then(|at| Some((at, head.get(at)?))) {
-            let before = head.get(..at).unwrap_or_default();
-            let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
-            let column = before.iter().rev().take_while(|byte| **byte != b'\n').count() + 1;
-            let message = format!(
-                "this is not text: byte {byte:#04x} at line {line}, column {column}; give a text file"
-            );
             return Err(io::Error::new(io::ErrorKind::InvalidData, message));
         }
         let cr_is_lf = ends_lines_with_cr(&head);
@@ -170,7 +185,7 @@ pub fn lines_of(path: &Path) -> io::Result<impl BufRead + Seek + use<>> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Text, foreign_encoding, lines_of};
+    use super::{Text, check_binary, foreign_encoding, lines_of};
     use std::io::{BufRead, ErrorKind, Read, Seek, SeekFrom, Write};
 
     /// `text` in UTF-16, as the Unicode standard (3.10, D96 to D98) has it.
@@ -213,17 +228,17 @@ mod tests {
             (b"G0 X1\nG1\0X2\n", "byte 0x00 at line 2, column 3"),
             (b"\x91\x02\xf3\xaa\x17\xee\x9c\x05\xd1", "byte 0x02 at line 1, column 2"),
         ] {
-            let error = Text::new(data).unwrap_err();
+            let error = check_binary(data).unwrap_err();
             assert_eq!(error.kind(), ErrorKind::InvalidData);
-            assert_eq!(error.to_string(), format!("this is not text: {place}; give a text file"));
+            assert_eq!(error.to_string(), format!("this is not a text program: {place}"));
         }
         // Comments in a code page, the end of a file of MS-DOS, and characters of a tape reader.
         for text in
             [&b"(\xc4nderung f\xfcr Fr\xe4ser)\n"[..], b"%\nM30\n%\n\x1a", b"%\x12\nG0 X1 Y2 Z3\n"]
         {
-            assert!(Text::new(text).is_ok(), "{text:?}");
+            assert!(check_binary(text).is_ok(), "{text:?}");
         }
-        assert!(Text::new(&b"\x1b[31m (\x1b[0m)\n"[..]).is_ok());
+        assert!(check_binary(b"\x1b[31m (\x1b[0m)\n").is_ok());
     }
 
     #[test]
