@@ -360,9 +360,9 @@ impl<W: Write> ProgramWriter<W> {
             block.push(&format!("G{number}"));
         }
         let is_rapid = element.kind == ElementKind::Rapid;
-        let forced = [0, 1].into_iter().filter(|axis| is_rapid && self.pending[*axis]);
-        let forced: Vec<usize> = forced.collect();
-        let to = self.target(&mut block, element, &forced)?;
+        let forced: &[usize] =
+            if is_rapid && (self.pending[0] || self.pending[1]) { &[0, 1] } else { &[] };
+        let to = self.target(&mut block, element, forced)?;
         if block.is_without_numbers() {
             return Ok(());
         }
