@@ -42,8 +42,10 @@ pub(super) fn no_additional_axis(
         }
         _ => letter.to_string(),
     };
+    let needs =
+        if dialect == Dialect::Rs274 { format!(", which {name} needs") } else { String::new() };
     let message = format!(
-        "the program moves the axis {name}, but no axis of the machine has its role: role = \"{letter}\" in the machine file"
+        "the program moves the additional axis {name}, but no axis of the machine has the role \"{letter}\"{needs}"
     );
     Finding::error(Rule::UnsupportedWord, place, message)
 }
