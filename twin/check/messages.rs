@@ -3,6 +3,7 @@
 use crate::finding::{Finding, Rule, Severity};
 use crate::messages::beyond_position;
 use crate::plant::{Blow, Happening, ProbeMiss, ProbeTouch};
+use crate::program::Dialect;
 use std::collections::BTreeSet;
 use twin_cam::MAX_TRIGGERS;
 use twin_kinematics::Kinematics;
@@ -25,16 +26,26 @@ pub(super) fn lost_tappets(count: u64) -> Finding {
     finding
 }
 
-/// A program that moves an additional axis on a machine without it.
-pub(super) fn no_additional_axis(place: Place, letter: char) -> Finding {
-    let in_rs274 = match letter {
-        'P' => " (A in RS274)",
-        'Q' => " (B in RS274)",
-        'U' => " (C in RS274)",
-        _ => "",
+/// A program in `dialect` that moves the additional axis of the role `letter` on a machine without it. The third one of
+/// RS274 is C or, if `is_u` says so, U.
+pub(super) fn no_additional_axis(
+    place: Place,
+    letter: char,
+    dialect: Dialect,
+    is_u: Option<bool>,
+) -> Finding {
+    let name = match (dialect, letter) {
+        (Dialect::Rs274, 'P') => "A".to_owned(),
+        (Dialect::Rs274, 'Q') => "B".to_owned(),
+        (Dialect::Rs274, 'U') => {
+            is_u.map_or("C or U", |is_u| if is_u { "U" } else { "C" }).to_owned()
+        }
+        _ => letter.to_string(),
     };
+    let needs =
+        if dialect == Dialect::Rs274 { format!(", which {name} needs") } else { String::new() };
     let message = format!(
-        "the program moves the additional axis {letter}{in_rs274}, but no axis of the machine has the role \"{letter}\""
+        "the program moves the additional axis {name}, but no axis of the machine has the role \"{letter}\"{needs}"
     );
     Finding::error(Rule::UnsupportedWord, place, message)
 }

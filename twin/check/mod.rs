@@ -189,8 +189,7 @@ fn checked(
 ) -> Result<Outcome, CheckFailure> {
     let CheckOptions { limits, physics, scenario, acknowledge, drives: _, continues } = options;
     let (slack, rapids) = (slack(limits), rapids(machine, program));
-    let is_job = program.dialect() == Dialect::Job;
-    let mut checker = Checker::new(machine, rapids, slack, is_job);
+    let mut checker = Checker::new(machine, rapids, slack, program.dialect());
     if program.settings().inputs.mode != VelocityMode::Trapezoid {
         // Feeds are solved for on trapezoids.
         checker = checker.without_feeds();
@@ -287,6 +286,7 @@ fn checked(
     outcome.elements = items.elements();
     outcome.length = items.length();
     // Nothing of a job has a feed.
+    let is_job = program.dialect() == Dialect::Job;
     let without_feed = outcome.findings.iter_mut().filter(|_| is_job);
     without_feed.for_each(|finding| finding.largest_feed_mm_per_s = None);
     Ok(outcome)

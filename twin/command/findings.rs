@@ -40,19 +40,31 @@ pub(super) fn verdict(findings: &[Finding], left_out: u64) -> String {
     )
 }
 
-/// Shows findings on standard error with their program lines, the worst first, and findings of one cause once. Notes take one
-/// line together unless `notes` asks for each.
-pub(super) fn findings(program: &ProgramFile, findings: &[Finding], notes: bool) {
+/// Which findings are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// The first causes; notes take one line together.
+    Brief,
+    /// The first causes, and notes as well.
+    WithNotes,
+    /// All of them.
+    All,
+}
+
+/// Shows findings on standard error with their program lines, the worst first, and findings of one cause once.
+pub(super) fn findings(program: &ProgramFile, findings: &[Finding], which: Shown) {
     let is_note = |finding: &Finding| finding.severity == Severity::Note;
     // Notes come last.
     let weighty = findings.partition_point(|finding| !is_note(finding));
-    let (findings, in_brief) = if notes || !findings.iter().skip(weighty).all(is_note) {
-        (findings, &[][..])
-    } else {
-        findings.split_at(weighty)
-    };
+    let (findings, in_brief) =
+        if which != Shown::Brief || !findings.iter().skip(weighty).all(is_note) {
+            (findings, &[][..])
+        } else {
+            findings.split_at(weighty)
+        };
     let causes = causes::of(findings);
-    let shown = causes.get(..SHOWN_FINDINGS).unwrap_or(&causes);
+    let most = if which == Shown::All { causes.len() } else { SHOWN_FINDINGS };
+    let shown = causes.get(..most).unwrap_or(&causes);
     let lines = lines_of(program, shown.iter().map(|cause| cause.worst));
     for cause in shown {
         let finding = cause.worst;
@@ -81,7 +93,7 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding], notes: bool)
     if causes.len() > shown.len() {
         let listed: usize = shown.iter().map(causes::Cause::count).sum();
         let rest = findings.len() - listed;
-        writeln!(io::stderr(), "… and {rest} more").unwrap_or_default();
+        writeln!(io::stderr(), "… and {rest} more; `twin check -v` shows them").unwrap_or_default();
     }
     if let Some(line) = brief(in_brief) {
         writeln!(io::stderr(), "{line}").unwrap_or_default();

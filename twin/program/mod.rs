@@ -309,7 +309,7 @@ impl ProgramFile {
         }
         Stamp::verify(self.stamp, &file)?;
         let text = match self.dialect {
-            Dialect::Din66025 | Dialect::Rs274 => Text::of(file)?,
+            Dialect::Din66025 | Dialect::Rs274 => Text::of_program(file)?,
             Dialect::Job | Dialect::Dxf => Text::binary(file),
         };
         let file = Counted { text, stamp: self.stamp, ledger: Rc::clone(&ledger) };

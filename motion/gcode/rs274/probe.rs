@@ -105,7 +105,7 @@ impl State {
             return Ok(());
         };
         let path = ProbePath {
-            place: out.place(),
+            place: out.place,
             start: from.machine,
             end: to.machine,
             point_from_tip: self.offsets.point_from_tip(),

@@ -72,7 +72,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "none", value_name = "none|predicted")]
     drives: Drives,
 
-    /// Also print every note and, with --drives predicted, what one lost answer of a real drive would cost
+    /// Also print every finding and note and, with --drives predicted, what one lost answer of a real drive would cost
     #[arg(short, long)]
     verbose: bool,
 
@@ -278,7 +278,8 @@ pub(super) fn human(
     )?;
     // Findings go to standard error, and must not overtake it.
     out.flush()?;
-    show::findings(program, &outcome.findings, verbose);
+    let which = if verbose { show::Shown::All } else { show::Shown::Brief };
+    show::findings(program, &outcome.findings, which);
     tables(out, machine, program, outcome)
 }
 

@@ -410,7 +410,7 @@ fn report(
                 writeln!(out, "{}: {}", program.path().display(), show::verdict(findings, 0))?;
                 out.flush()?;
             }
-            show::findings(program, findings, true);
+            show::findings(program, findings, show::Shown::WithNotes);
             write_summary(&mut out, machine, program, summary)
         }
     }

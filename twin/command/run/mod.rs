@@ -217,7 +217,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             check::human(&mut out, &machine, &program, &outcome, false).map_err(Failure::Stdio)?;
             return Ok(Status::Unfit);
         };
-        show::findings(&program, &outcome.findings, false);
+        show::findings(&program, &outcome.findings, show::Shown::Brief);
         let before = std::mem::replace(&mut continues, outcome.end);
         checked.push(Checked { arguments: own, program, outcome, start, continues: before });
     }
@@ -282,7 +282,7 @@ fn execute(
     }
     outcome.loads.clone_from(&done.ending.record.loads);
     behind.extend_from_slice(&done.ended);
-    show::findings(program, &behind, true);
+    show::findings(program, &behind, show::Shown::WithNotes);
     outcome.findings.extend(behind);
     finding::sort(&mut outcome.findings);
     let report = Report { outcome: &outcome, ..report };

@@ -219,7 +219,7 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
     }
 
     fn report(&self, reason: Reason, programmed: f64, limit: f64, refed: &mut Refed) {
-        let place = self.decoder.out.place();
+        let place = self.decoder.out.place;
         refed.report(Unrepaired { place, reason, programmed, limit });
     }
 }

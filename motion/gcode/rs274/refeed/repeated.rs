@@ -178,7 +178,7 @@ impl Survey {
             let units = decoder.state.units;
             decoder.step().map_err(RefeedError::Read)?;
             let moves = Moves::of(&mut decoder);
-            let place = decoder.out.place();
+            let place = decoder.out.place;
             if matches!(decoder.block.m.modes, Some(70..=73)) {
                 self.obstacle.get_or_insert((place, RESTORED));
             }
@@ -198,7 +198,7 @@ impl Survey {
 
     /// Adds the execution of a line.
     fn include<R>(&mut self, decoder: &Decoder<R>, moves: &Moves, units: LengthUnit) {
-        let place = decoder.out.place();
+        let place = decoder.out.place;
         let limit = self.limits.get(&place.line).copied().unwrap_or_default();
         if let Some(rapid) = moves.rapid.filter(|rapid| is_below(limit.rapid, *rapid)) {
             self.stays(place, Reason::Rapid, rapid, limit.rapid);
