@@ -72,6 +72,7 @@ pub use simulated::{
 };
 pub use simulation_error::SimulationError;
 pub use surroundings::Collision;
+pub use tool::SpindleBodies;
 pub use tool_table::{ToolTableFileError, load_tool_table, parse_tool_table};
 pub use twin_files::{limited_read, text};
 

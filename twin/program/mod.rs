@@ -15,6 +15,7 @@ pub use stream::{ElementItem, Elements, Facts, FileFacts, ProgramItem, Setpoints
 pub(crate) use stream::{Findings, Prepared};
 
 use crate::m_function::Acknowledgement;
+use crate::spindle::Spindle;
 use settings::ReadSettings;
 use source::{Counted, Decoded, Decoder, Ledger};
 use std::cell::RefCell;
@@ -316,6 +317,15 @@ impl ProgramFile {
         let reader = BufReader::with_capacity(1 << 16, file);
         let decoded = decoded(self.decoder(reader, conditions, empty));
         Ok((decoded, ledger))
+    }
+
+    /// The spindle of `machine` at the beginning of the program; only programs of RS274 have tools of a table.
+    pub fn spindle(&self, machine: &Machine) -> Spindle {
+        if self.dialect != Dialect::Rs274 {
+            return Spindle::default();
+        }
+        let options = self.rs274_options(&machine.conditions);
+        Spindle::new(options.tools.unwrap_or_default(), options.tool)
     }
 
     /// Decoder options for DIN 66025.
