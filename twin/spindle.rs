@@ -1,7 +1,16 @@
 //! Tool in the spindle along an RS274 program: the tool of the table that M6 or M61 has put in.
 
 use crate::m_function::MCall;
-use twin_gcode::rs274::{Tool, ToolTable};
+use twin_gcode::rs274::{Position, Tool, ToolTable};
+
+/// Tool that a program leaves in the spindle, and the tool offset that it leaves in force (G43). LinuxCNC keeps both at M2 and M30.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToolLeft {
+    /// Number of the tool, 0 = none.
+    pub number: u32,
+    /// The offset, m and degrees.
+    pub offset: Position,
+}
 
 /// Tool in the spindle. Without a tool table it is that of `[tool]` of the machine file.
 #[derive(Clone, Debug, Default)]

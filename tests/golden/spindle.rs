@@ -1,8 +1,8 @@
-//! The tool in the spindle: on the simulated machine, when probing, on the way to the start, and in messages.
+//! The tool in the spindle: in sequences, on the simulated machine, when probing, on the way to the start, and in messages.
 //!
 //! The fixed jaw of the vice has its top at Z-10. The tip of a tool of the table is below the controlled point by its length.
 
-use crate::desk::{Desk, number, shipped};
+use crate::desk::{Desk, Done, number, shipped};
 use serde_json::Value;
 
 /// A short, a long and an even tool; tool 5 is 20 mm shorter than that of the machine file.
@@ -34,6 +34,12 @@ fn desk() -> Desk {
     desk
 }
 
+/// Reports of all programs of a check.
+fn reports(done: &Done) -> Vec<Value> {
+    let lines = done.stdout.lines();
+    lines.map(|line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}"))).collect()
+}
+
 /// Least clearance, mm, and what is near to what.
 fn least(report: &Value) -> (f64, [&str; 2]) {
     let clearance = &report["clearance"];
@@ -50,6 +56,47 @@ fn messages(report: &Value) -> Vec<&str> {
 fn assert_least(report: &Value, mm: f64, parts: [&str; 2]) {
     let (found, names) = least(report);
     assert!((found - mm).abs() < 1e-3 && names == parts, "{found} mm, {names:?}: {report:#}");
+}
+
+/// At M2 LinuxCNC keeps the tool and its offset: #5400 is 3 and #5403 20 in the next program, whose Z8 is 20 mm higher.
+#[test]
+fn a_sequence_keeps_tool_and_offset() {
+    let desk = desk();
+    desk.write("with.ngc", "T3 M6\nG43\nG0 Z30\nM2\n");
+    desk.write("without.ngc", "T3 M6\nG0 Z30\nM2\n");
+    desk.write("down.ngc", &down(8.0));
+    desk.write("kept.ngc", "G0 Z[#5400+#5403+10]\nM2\n");
+    let check = "check --sequence -m vice.toml --format json";
+    let done = desk.twin(&format!("{check} without.ngc down.ngc"));
+    let [_, second] = &reports(done.ended(1, ""))[..] else { panic!("{}", done.stdout) };
+    assert_least(second, -2.0, ["tool 3", "fixed jaw"]);
+    let deep = "tool 3 is 2.000 mm deep in fixed jaw";
+    assert!(messages(second).iter().any(|one| one.starts_with(deep)), "{second:#}");
+    let done = desk.twin(&format!("{check} with.ngc down.ngc kept.ngc"));
+    let [_, second, third] = &reports(done.ended(0, ""))[..] else { panic!("{}", done.stdout) };
+    assert_least(second, 18.0, ["tool 3", "fixed jaw"]);
+    // Z33, 20 mm higher by the offset; the axis is at 60 mm where the tool of the machine file has its tip at 0.
+    let z = &third["peak"]["Z"]["position"];
+    assert!((number(&z["max"]) - (60.0 + 33.0 + 20.0)).abs() < 1e-6, "{third:#}");
+    // Each by itself begins with `tool` of the machine file, as the first of a sequence does.
+    let alone = "check -m vice.toml --format json";
+    let done = desk.twin(&format!("{alone} without.ngc down.ngc"));
+    let [_, second] = &reports(done.ended(0, ""))[..] else { panic!("{}", done.stdout) };
+    assert_least(second, 18.0, ["the tool", "fixed jaw"]);
+    let done = desk.twin("check --sequence -m long.toml --format json down.ngc");
+    assert_least(&done.ended(1, "").object(), -2.0, ["tool 3", "fixed jaw"]);
+}
+
+/// The same in a run, which moves nothing.
+#[test]
+fn a_run_of_several_programs_keeps_the_tool() {
+    let desk = desk();
+    desk.write("without.ngc", "T3 M6\nG0 Z30\nM2\n");
+    desk.write("down.ngc", &down(8.0));
+    desk.twin("run without.ngc down.ngc -m vice.toml --drives none")
+        .ended(1, "tool 3 is 2.000 mm deep in fixed jaw");
+    desk.write("down.ngc", &down(12.0));
+    desk.twin("run without.ngc down.ngc -m vice.toml --drives none").ended(0, "");
 }
 
 /// A long tool runs into the jaw 20 mm higher than that of the machine file, and a short one does not reach it.

@@ -360,6 +360,7 @@ impl<'m> Checker<'m> {
             m_calls: BTreeSet::new(),
             m_functions: MCalls::default(),
             start_tool: None,
+            tool: None,
         }
     }
 }

@@ -42,6 +42,7 @@ use crate::planning::Planning;
 use crate::plant::PlantRecord;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint_source::PlanItem;
+use crate::spindle::ToolLeft;
 use checker::Checker;
 pub use clearance::{ClearanceCsv, ClearancePicture};
 use collision::Way;
@@ -120,6 +121,8 @@ pub struct Outcome {
     pub m_functions: MCalls,
     /// The tool of the tool table in the spindle at the beginning, if there is one.
     pub start_tool: Option<Tool>,
+    /// The tool that an RS274 program leaves in the spindle.
+    pub tool: Option<ToolLeft>,
 }
 
 /// Progress of a check.
@@ -279,7 +282,7 @@ fn checked(
     let predicted = following.and_then(FollowingBeside::finish);
     let mut outcome = checker.finish();
     (outcome.tappets, outcome.switch_points, outcome.m_calls) = (switched, switch_points, m_calls);
-    outcome.m_functions = m_functions;
+    (outcome.m_functions, outcome.tool) = (m_functions, items.tool_left());
     if let Some((predicted, findings, left_out)) = predicted {
         outcome.following = Some(predicted);
         outcome.findings.extend(findings);

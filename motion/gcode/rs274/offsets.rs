@@ -157,7 +157,7 @@ impl Offsets {
             origin: Position::default(),
             rotation: Rotation::new(0.0),
             g92: Position::default(),
-            tool: Position::default(),
+            tool: options.tool_offset,
             reference: options.reference,
             work_frame: unless_identity(&options.work_frame),
             sum: Position::default(),
