@@ -181,3 +181,17 @@ fn the_way_to_the_start_has_the_tool() {
         desk.twin(&format!("run part.ngc -m {machine} --drives emulated")).ended(status, expected);
     }
 }
+
+/// A diameter without a length is of use to the tools of a table alone.
+#[test]
+fn a_tool_without_length_needs_a_table() {
+    let desk = desk();
+    let bare = |name: &str| desk.text(name).replace("length_mm = 60.0\nmass_kg", "mass_kg");
+    let in_table = bare("vice.toml");
+    assert!(in_table != desk.text("vice.toml"));
+    desk.write("bare.toml", &in_table.replace("tool_table = \"tools.toml\"\n", ""));
+    desk.twin("machine bare.toml")
+        .ended(2, "the tool has a diameter and no length: add `length_mm`");
+    desk.write("table.toml", &in_table.replace("holder_", "# holder_"));
+    desk.twin("machine table.toml").ended(0, "");
+}

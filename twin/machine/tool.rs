@@ -21,6 +21,8 @@ pub(super) struct Tool {
     pub(super) mass: f64,
     /// Its shape.
     pub(super) shape: ToolShape,
+    /// The file has a tool table, whose tools have lengths of their own.
+    pub(super) has_table: bool,
 }
 
 impl Tool {
@@ -29,7 +31,7 @@ impl Tool {
         self.shape.diameter.map(|diameter| 0.5 * diameter)
     }
 
-    pub(super) fn read(root: &Section<'_>) -> Self {
+    pub(super) fn read(root: &Section<'_>, has_table: bool) -> Self {
         let section = root.section("tool");
         let length = section.number("length_mm", 0.0..=10_000.0).unwrap_or(0.0);
         let [x, y] = section.numbers::<2>("offset_mm", -10_000.0..=10_000.0).unwrap_or_default();
@@ -51,7 +53,7 @@ impl Tool {
             diameter: diameter.map(|value| value * 1e-3),
             holder: holder_diameter.zip(holder_length).map(|(a, b)| [a * 1e-3, b * 1e-3]),
         };
-        Self { tip: Vector3::new(x, y, -length) * 1e-3, mass, shape }
+        Self { tip: Vector3::new(x, y, -length) * 1e-3, mass, shape, has_table }
     }
 }
 
@@ -62,6 +64,8 @@ pub(super) struct Mount {
     pub(super) flange: Isometry3<f64>,
     /// As [`Tool::tip`] of the machine file.
     pub(super) tip: Vector3<f64>,
+    /// Diameter of the tool of the machine file, m, if it is known.
+    pub(super) diameter: Option<f64>,
     /// True if link 0 has a generated table just below the lowest place of that tip.
     pub(super) has_table: bool,
 }
@@ -133,13 +137,13 @@ impl SpindleBodies {
         let diameter = Some(tool.diameter.abs()).filter(|diameter| *diameter > 0.0);
         let is_round = before.z >= 0.0 || self.model.tool_diameter().is_some();
         let changes = is_round && tip.z < 0.0 && (tip != before || diameter.is_some());
-        changes.then_some((tip, diameter))
+        changes.then_some((tip, diameter.or(self.mount.diameter)))
     }
 
     /// Links and surroundings with `tool`: a round body from the flange to its tip, which is below the controlled point by the tool's offset.
     fn holding(&self, tool: &rs274::Tool) -> Option<(Model, Surroundings)> {
         let (tip, diameter) = self.tip_and_diameter(tool)?;
-        let Mount { flange, tip: before, has_table } = self.mount;
+        let Mount { flange, tip: before, has_table, .. } = self.mount;
         let mut model = self.model.clone();
         model.change_tool(&flange, &tip, diameter);
         let mut surroundings = Surroundings { has_tool: true, ..self.surroundings.clone() };
