@@ -1,5 +1,6 @@
 //! Messages of the check: the fault, with value and limit.
 
+use super::BlockClearance;
 use crate::finding::{Finding, Rule, Severity};
 use crate::messages::beyond_position;
 use crate::plant::{Blow, Happening, ProbeMiss, ProbeTouch};
@@ -11,7 +12,7 @@ use twin_machine::axis_kind::AxisKind;
 use twin_machine::{Axis, FaultAt, FaultStart, Machine, SimulationError, VelocitySource};
 use twin_number::seconds;
 use twin_path::Place;
-use twin_physics::{Clearance, EventKind, Fault, Part};
+use twin_physics::{EventKind, Fault, Part};
 
 /// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
 const RUN_AWAY: f64 = 2e-3;
@@ -249,43 +250,51 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
 }
 
 /// Two parts that overlap.
-pub(super) fn in_the_way(machine: &Machine, place: Place, found: &Clearance) -> Finding {
-    let [one, other] = found.parts.map(|part| machine.part_name(part));
-    let depth = -found.distance * 1e3;
-    let [x, y, z] = found.points[0].coords.into();
+pub(super) fn in_the_way(machine: &Machine, found: &BlockClearance) -> Finding {
+    let [one, other] = found.names(machine);
+    let depth = -found.nearest.distance * 1e3;
+    let [x, y, z] = found.nearest.points[0].coords.into();
     let message = format!(
         "{one} is {depth:.3} mm deep in {other}, at X {:.3} Y {:.3} Z {:.3} mm of the machine",
         x * 1e3,
         y * 1e3,
         z * 1e3
     );
-    Finding::error(Rule::Collision, place, message).with_value(-depth, 0.0, "mm")
+    Finding::error(Rule::Collision, found.place, message).with_value(-depth, 0.0, "mm")
 }
 
-/// A machine that is not simulated, because parts overlap at the start.
-pub(super) fn starts_inside(machine: &Machine, place: Place, parts: [Part; 2]) -> Finding {
-    let [one, other] = parts.map(|part| machine.part_name(part));
-    let message = format!("not simulated: {one} and {other} overlap where the program starts");
+/// A machine that is not simulated, or not any further, because parts overlap where the program starts or the tool changes.
+pub(super) fn starts_inside(
+    machine: &Machine,
+    (place, is_start): (Place, bool),
+    (parts, tool): ([Part; 2], Option<u32>),
+) -> Finding {
+    let [one, other] = parts.map(|part| machine.part_name_with(part, tool));
+    let message = if is_start {
+        format!("not simulated: {one} and {other} overlap where the program starts")
+    } else {
+        format!("not simulated from here on: {one} and {other} overlap after the tool change")
+    };
     let finding = Finding::error(Rule::Collision, place, message);
     Finding { severity: Severity::Note, ..finding }
 }
 
 /// Two parts nearer to each other than is wanted (m).
-pub(super) fn too_near(machine: &Machine, place: Place, found: &Clearance, wanted: f64) -> Finding {
-    let [one, other] = found.parts.map(|part| machine.part_name(part));
+pub(super) fn too_near(machine: &Machine, found: &BlockClearance, wanted: f64) -> Finding {
+    let [one, other] = found.names(machine);
     // Parts that touch have the distance 0.
-    let (distance, wanted) = (found.distance.max(0.0) * 1e3, wanted * 1e3);
+    let (distance, wanted) = (found.nearest.distance.max(0.0) * 1e3, wanted * 1e3);
     let message = format!(
         "{one} comes as near as {distance:.3} mm to {other}; the clearance wanted is {wanted:.3} mm"
     );
-    let finding = Finding::error(Rule::Collision, place, message);
+    let finding = Finding::error(Rule::Collision, found.place, message);
     Finding { severity: Severity::Warning, ..finding.with_value(distance, wanted, "mm") }
 }
 
 /// A blow in the simulated machine.
 pub(super) fn ran_into(machine: &Machine, blow: &Blow) -> Finding {
-    let Blow { place, parts, speed, force } = *blow;
-    let [one, other] = parts.map(|part| machine.part_name(part));
+    let Blow { place, parts, tool, speed, force } = *blow;
+    let [one, other] = parts.map(|part| machine.part_name_with(part, tool));
     let message = format!(
         "{one} ran into {other} with {:.1} mm/s in the simulated machine: up to {} until it stood, mean over a millisecond",
         speed * 1e3,

@@ -93,13 +93,13 @@ impl RapierWorld {
         Ok(result)
     }
 
-    /// Gives links and surroundings their solids, in the place of those they had.
+    /// Gives links and surroundings their solids, in the place of those they had; the links have those of `model`, which moves as before.
     /// Errors: [`PhysicsError::FlatMesh`] and [`PhysicsError::Overlap`]; nothing is changed then.
-    pub(super) fn insert(&mut self, surroundings: &Surroundings) -> Result<()> {
-        let has_tool = solids::tool(&self.model, surroundings).is_some();
-        let pairs = Pairs::new(&self.model, surroundings, has_tool);
+    pub(super) fn insert(&mut self, model: &Model, surroundings: &Surroundings) -> Result<()> {
+        let has_tool = solids::tool(model, surroundings).is_some();
+        let pairs = Pairs::new(model, surroundings, has_tool);
         let may_touch = |[one, other]: [usize; 2]| pairs.may_touch(one, other);
-        let distances = Distances::new(&self.model, surroundings, &pairs, may_touch)?;
+        let distances = Distances::new(model, surroundings, &pairs, may_touch)?;
         let mut around = Around { pairs, distances, near: Vec::new() };
         let deepest = around.distances.nearest(&self.poses);
         if let Some(deepest) = deepest.filter(|deepest| deepest.distance < -TOUCHING) {
@@ -109,7 +109,13 @@ impl RapierWorld {
         }
         around.look(self.reach, &self.poses);
         self.around = Some(around);
+        self.model = model.clone();
         Ok(())
+    }
+
+    /// Links and joints.
+    pub(super) fn model(&self) -> &Model {
+        &self.model
     }
 
     /// The part of this number.

@@ -3,6 +3,7 @@
 use super::Stamp;
 use super::stream::FileFacts;
 use crate::finding::{Finding, Rule, Severity};
+use crate::spindle::ToolLeft;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::fs::File;
@@ -29,6 +30,8 @@ pub(super) struct Ledger {
     warnings: usize,
     pub(super) left_out: u64,
     pub(super) facts: FileFacts,
+    /// The tool that an RS274 program leaves in the spindle, after all of it has been read.
+    pub(super) tool: Option<ToolLeft>,
 }
 
 /// More diagnostics of one severity than this are counted, not kept, so that a file that is wrong on every line takes
@@ -194,6 +197,15 @@ impl Decoder {
         }
     }
 
+    fn tool_left(&self) -> Option<ToolLeft> {
+        match self {
+            Self::Rs274(decoder) => {
+                Some(ToolLeft { number: decoder.tool(), offset: *decoder.tool_offset() })
+            }
+            Self::Din66025(_) | Self::Made { .. } => None,
+        }
+    }
+
     fn read(&mut self) -> Option<Piece> {
         match self {
             Self::Din66025(decoder) => decoder.next().map(Piece::of),
@@ -285,7 +297,8 @@ impl Iterator for Decoded {
     fn next(&mut self) -> Option<Self::Item> {
         loop {
             let Some(piece) = self.decoder.read() else {
-                self.ledger.borrow_mut().facts = self.decoder.facts();
+                let mut ledger = self.ledger.borrow_mut();
+                (ledger.facts, ledger.tool) = (self.decoder.facts(), self.decoder.tool_left());
                 return None;
             };
             let mut element = match piece {

@@ -111,6 +111,11 @@ impl<R: BufRead> Decoder<R> {
         self.state.tool
     }
 
+    /// Tool offset in force (G43 to G43.2), m and degrees.
+    pub fn tool_offset(&self) -> &Position {
+        self.state.offsets.tool()
+    }
+
     /// Kept memory: bytes of the line, and items that have not been taken yet.
     #[cfg(test)]
     pub(super) fn capacity(&self) -> usize {

@@ -158,6 +158,7 @@ impl Offsets {
         let mut offsets = Self {
             values: vec![0.0; usize::from(LAST - FIRST) + 1],
             units: options.units,
+            tool: options.tool_offset,
             reference: options.reference,
             // Where both frames are the same, numbers of the program stay what they are.
             work_frame: Some(options.work_frame).filter(|frame| *frame != Isometry3::identity()),

@@ -135,8 +135,10 @@ impl State {
             control: options.control,
             numbers_of: options.numbers_of.or(options.control),
             assumes_tools: options.tools.is_none(),
+            probe_target: options.surroundings.map(|surroundings| {
+                surroundings.target(options.tools.as_ref().unwrap_or(&ToolTable::default()))
+            }),
             tools: options.tools,
-            probe_target: options.surroundings.map(|surroundings| surroundings.target()),
             probe_settle_ns: options.probe_settle_ns,
             offsets,
             location,

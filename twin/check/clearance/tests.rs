@@ -24,6 +24,7 @@ fn at(line: u32, ms: i64, mm: f64, obstacle: usize) -> BlockClearance {
             parts: [Part::Tool, Part::Obstacle(obstacle)],
             points: [Point3::new(0.1, -0.2, mm * 1e-3), Point3::new(0.1, -0.2, 0.0)],
         },
+        tool: None,
         may_touch: false,
     }
 }

@@ -205,9 +205,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     // All programs are checked before anything moves.
     let mut checked = Vec::new();
-    let mut continues = None;
+    let (mut continues, mut tool) = (None, None);
     for own in arguments.per_program() {
-        let program = own.open(&machine)?;
+        let program = own.open(&machine)?.with_tool(tool);
         check::may_follow(&program, continues.as_ref())?;
         let outcome = check_first(&machine, &program, &own, continues)?;
         let Some(start) = outcome.start.filter(|_| !finding::unfit(&outcome.findings)) else {
@@ -219,6 +219,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         };
         show::findings(&program, &outcome.findings, show::Shown::Brief);
         let before = std::mem::replace(&mut continues, outcome.end);
+        tool = outcome.tool.or(tool);
         checked.push(Checked { arguments: own, program, outcome, start, continues: before });
     }
     let (mut status, mut caught) = (Status::Fit, None);

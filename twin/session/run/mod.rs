@@ -323,7 +323,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                 Ok(Some(feedback)) => feedback,
                 Ok(None) => continue,
                 Err(source) => {
-                    let source = SimulationError::of(self.machine, source);
+                    let source = SimulationError::with_tool(self.machine, source, self.twin.tool());
                     observer.happened(setpoint.time_ns, setpoint.place, &source.to_string());
                     return self.lose_twin(source);
                 }
