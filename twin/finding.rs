@@ -2,11 +2,11 @@
 
 pub use crate::rule::{Rule, Severity};
 use crate::tolerance::exceeds;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::ops::Range;
 use std::sync::Arc;
 use twin_machine::section::Elsewhere;
-use twin_path::Place;
+use twin_path::{FileLine, FilePath, Place};
 
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -15,8 +15,14 @@ pub struct Finding {
     pub rule: Rule,
     /// The severity.
     pub severity: Severity,
-    /// Line of the program file, from 1.
+    /// Line of the file, from 1.
     pub line: u32,
+    /// The subroutine file that has the line; none if the program itself does.
+    #[serde(serialize_with = "file_name", skip_serializing_if = "Option::is_none")]
+    pub file: Option<FilePath>,
+    /// Line of the program that calls the subroutine file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub called_from: Option<u32>,
     /// N word of the block, if it has one.
     pub block: Option<u32>,
     /// The fault, with value and limit.
@@ -53,7 +59,9 @@ impl Finding {
         Self {
             rule,
             severity: Severity::Error,
-            line: place.line,
+            line: place.line_in_file(),
+            file: place.file(),
+            called_from: place.called_from(),
             block: place.block,
             message,
             axis: None,
@@ -76,10 +84,26 @@ impl Finding {
         self
     }
 
+    /// The place it is about.
+    pub fn place(&self) -> Place {
+        let within = self.file.map(|file| FileLine { file, line: self.line });
+        let line = self.called_from.unwrap_or(self.line);
+        Place { line, block: self.block, within }
+    }
+
     /// How far its value is from its limit, in `unit`; 0 without one.
     pub fn excess(&self) -> f64 {
         self.value.zip(self.limit).map_or(0.0, |(value, limit)| (value - limit).abs())
     }
+}
+
+/// Writes the name of a subroutine file; see [`Finding::file`].
+#[expect(clippy::ref_option, clippy::trivially_copy_pass_by_ref, reason = "as serde wants it")]
+pub(crate) fn file_name<S: Serializer>(
+    file: &Option<FilePath>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.serialize_some(&file.map(|file| file.to_string()))
 }
 
 /// Brings findings into the order they are shown in: the worst first, then by line.
@@ -93,7 +117,7 @@ pub fn sort(findings: &mut [Finding]) {
         consequence(a)
             .cmp(&consequence(b))
             .then(b.severity.cmp(&a.severity))
-            .then(a.line.cmp(&b.line))
+            .then(a.place().key().cmp(&b.place().key()))
             .then(a.rule.cmp(&b.rule))
             .then_with(|| a.axis.cmp(&b.axis))
     });
@@ -102,7 +126,7 @@ pub fn sort(findings: &mut [Finding]) {
 /// A program in which nothing moves.
 pub(crate) fn nothing_moves() -> Finding {
     let message = "the program has no block that moves anything".to_owned();
-    Finding::error(Rule::Syntax, Place { line: 1, block: None }, message)
+    Finding::error(Rule::Syntax, Place::at(1), message)
 }
 
 /// The worst error, of equal ones the first.

@@ -56,6 +56,7 @@ pub mod session;
 pub mod setpoint;
 pub mod setpoint_source;
 pub mod simulated;
+pub mod spindle;
 pub mod startup;
 pub mod workspace;
 

@@ -6,6 +6,7 @@ use crate::program::{Dialect, ElementItem, Elements, ProgramFile};
 use crate::session::{DriveSample, TwinCycle};
 use crate::setpoint::Transformer;
 use crate::setpoint_source::PlanItem;
+use crate::spindle::Spindle;
 use nalgebra::{Isometry3, Point3};
 use std::collections::{BTreeSet, VecDeque};
 use twin_kinematics::AxisVector;
@@ -44,6 +45,7 @@ pub struct Picture<'m> {
     scene: Option<Scene>,
     /// Measures how near the twin is to what it must not touch.
     scan: Option<ClearanceScan>,
+    spindle: Spindle,
     /// Cycles that wait for a sample of the drives.
     waiting: VecDeque<Instant>,
     has_drives: bool,
@@ -93,6 +95,7 @@ impl<'m> Picture<'m> {
             machine,
             scene: None,
             scan: None,
+            spindle: program.spindle(machine),
             waiting: VecDeque::new(),
             has_drives: drives.is_some(),
             next_ns: 0,
@@ -107,7 +110,8 @@ impl<'m> Picture<'m> {
         if options.record.is_none() && options.serve.is_none() {
             return Ok(picture);
         }
-        let scan = machine.clearance_scan();
+        let tool = picture.spindle.tool();
+        let scan = machine.clearance_scan_with(tool);
         picture.scan = scan.map_err(|error| SimulationError::of(machine, error))?;
         let text = if program.size()? <= MAX_TEXT {
             String::from_utf8_lossy(&limited_read::read(program.path())?).into_owned()
@@ -126,8 +130,10 @@ impl<'m> Picture<'m> {
             })
             .collect();
         let name = program.path().file_name().unwrap_or_default().to_string_lossy();
+        let bodies = machine.spindle_bodies();
+        let shown = bodies.as_ref().map(|bodies| bodies.with(tool).0);
         let setup = Setup {
-            machine: &machine.model,
+            machine: shown.as_deref().unwrap_or(&machine.model),
             home: &picture.poses,
             surroundings: &obstacles(machine),
             clearance: picture.scan.as_ref().and(machine.collision.as_ref()).map(|it| it.clearance),
@@ -167,6 +173,11 @@ impl<'m> Picture<'m> {
         let is_new = std::mem::replace(&mut self.tappets[0], tappets) != tappets
             || self.switches[0] != switches;
         self.switches[0] = switches;
+        if cycle.setpoint.m_call.is_some_and(|call| self.spindle.observe(&call)) {
+            // Clearances before are those of the tool before.
+            self.show_before(time_ns);
+            self.scan = self.machine.clearance_scan_with(self.spindle.tool()).ok().flatten();
+        }
         if self.scene.is_none() || (time_ns < self.next_ns && !is_new) {
             return;
         }
@@ -258,7 +269,9 @@ impl<'m> Picture<'m> {
             drives.map_or(twin_errors, |drives| differences(&drives.axes, &wanted.axes));
         // Where no links can be nothing is measured.
         let nearest = self.scan.as_mut().and_then(|scan| scan.nearest(&twin.axes).ok()?);
-        let parts = nearest.map(|nearest| nearest.parts.map(|part| self.machine.part_name(part)));
+        let parts = nearest.map(|nearest| {
+            nearest.parts.map(|part| self.machine.part_name_with(part, self.spindle.number()))
+        });
         let frame = Frame {
             time_ns: instant.time_ns,
             line: instant.line,

@@ -45,7 +45,7 @@ pub(crate) fn recording_ended(kind: &str, file: &Path, ended: &Ended) -> Finding
     let lost = if *lost > 0 { format!("; {records} lost") } else { String::new() };
     let (time, file) = (seconds(*time_ns), file.display());
     let message = format!("the {kind} {file} ended at {time:.3} s: {cause}{lost}");
-    let place = Place { line: *line, block: None };
+    let place = Place::at(*line);
     let hint = "make room, or name a file on another disk; the run went on without it".to_owned();
     let finding = Finding::error(Rule::RecordingEnded, place, message);
     Finding { severity: Severity::Warning, hint: Some(hint), ..finding }

@@ -34,6 +34,8 @@ pub struct Blow {
     pub place: Place,
     /// The parts that collided.
     pub parts: [Part; 2],
+    /// Tool of the tool table in the spindle, by its number.
+    pub tool: Option<u32>,
     /// Approach speed, m/s.
     pub speed: f64,
     /// N·s.
@@ -118,6 +120,11 @@ pub trait Plant {
     /// What its motors did in the cycle of the last set-point, in machine-file order; none where it is not known.
     fn motors(&self) -> &[MotorState] {
         &[]
+    }
+
+    /// Tool of the tool table in its spindle, by its number.
+    fn tool(&self) -> Option<u32> {
+        None
     }
 
     /// Whether it has come as near to the last set-point as it will; drives that follow late go on behind it.

@@ -32,3 +32,4 @@ mod lines;
 mod number;
 pub mod refeed;
 pub mod rs274;
+mod write_error;

@@ -43,8 +43,8 @@ pub struct Spindle {
 /// Words of the block of RS274 that an element comes from, for a writer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Words {
-    /// Whether the block names X, Y, Z, A, B and C.
-    pub named: [bool; 6],
+    /// Whether the block names X, Y, Z, A, B, C, U, V and W.
+    pub named: [bool; 9],
     /// Positions of X, Y and Z in the machine frame to which the element goes (G28, G30, G53), m.
     pub machine: [Option<f64>; 3],
 }

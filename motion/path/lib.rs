@@ -55,7 +55,7 @@ pub use disc::PathDisc;
 pub use ellipse::{Ellipse, EllipseError};
 pub use marks::Marks;
 pub use operations::{OperationError, Similarity, reversed};
-pub use place::Place;
+pub use place::{FileLine, FilePath, LineKey, Place};
 pub use plane::Plane;
 pub use point::PathPoint;
 pub use probing::{ProbeOutcome, ProbeTrip, Probing};

@@ -145,7 +145,7 @@ fn program(machine: Machine) -> Vec<PathElement> {
         // Back to the middle.
         end.x -= 0.5 * (end.x - 0.5 * (min.x + max.x));
         end.y -= 0.5 * (end.y - 0.5 * (min.y + max.y));
-        let place = Place { line: u32::from(index) + 1, block: None };
+        let place = Place::at(u32::from(index) + 1);
         let shape = Shape::Line { start: at, end };
         let made = PathElement::new(place, ElementKind::Cut, shape);
         elements.push(PathElement { feed: 0.15, acceleration: 2.0, deceleration: 2.0, ..made });

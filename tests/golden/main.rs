@@ -58,6 +58,8 @@ mod run_keys;
 mod run_limits;
 mod sequence;
 mod shop;
+mod spindle;
+mod subroutines;
 mod surroundings;
 mod switch_points;
 mod targets;

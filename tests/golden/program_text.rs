@@ -135,6 +135,34 @@ fn texts_of_other_systems() {
     }
 }
 
+/// A file of another program is one error, whatever its ending says.
+#[test]
+fn binary_files() {
+    let desk = Desk::new();
+    for name in ["p.cnc", "p.ngc"] {
+        std::fs::write(desk.path(name), b"PK\r\n\x14\0\x08\0\x02\x03").expect("written");
+        for command in ["check", "path"] {
+            let done = desk.twin(&format!("{command} {name} -m machine.toml"));
+            let done = done.ended(2, "this is not a text program: byte 0x14 at line 2, column 1");
+            assert!(!done.stderr.contains("is not part of a word"), "{}", done.stderr);
+        }
+    }
+}
+
+/// The line with the number of other findings names the option that shows them.
+#[test]
+fn all_findings_on_request() {
+    let desk = Desk::new();
+    let words: Vec<String> = (101..126).map(|number| format!("G{number}")).collect();
+    desk.write("p.ngc", &format!("{}\nM2\n", words.join("\n")));
+    let brief = desk.twin("check p.ngc -m machine.toml");
+    let brief = brief.ended(1, "more; `twin check -v` shows them");
+    assert!(!brief.stderr.contains("G125 is not supported"), "{}", brief.stderr);
+    let all = desk.twin("check p.ngc -m machine.toml -v");
+    let all = all.ended(1, "G125 is not supported");
+    assert!(!all.stderr.contains("`twin check -v`"), "{}", all.stderr);
+}
+
 /// Degrees of an additional axis are not millimetres, and no message is in metres.
 #[test]
 fn lengths_are_millimetres() {

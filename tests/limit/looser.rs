@@ -112,7 +112,7 @@ fn polyline(
         let length = random.within(1e-5, longest);
         let feed = random.within(1e-4, fastest).max(length / 0.5);
         let end = at + direction(line, random) * length;
-        let place = Place { line, block: None };
+        let place = Place::at(line);
         let element = |kind, shape| PathElement {
             feed,
             acceleration: UNLIMITED,

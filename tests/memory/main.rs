@@ -107,7 +107,7 @@ fn circles(rounds: u32) -> impl Iterator<Item = PathElement> {
         let angle = TAU * f64::from(index % ROUND) / f64::from(ROUND);
         Point3::new(0.3 + 0.04 * angle.cos(), 0.04 * angle.sin(), 0.02)
     };
-    let place = |index: u32| Place { line: index + 1, block: None };
+    let place = |index: u32| Place::at(index + 1);
     (0..rounds * ROUND).flat_map(move |index| {
         let shape = Shape::Line { start: at(index), end: at(index + 1) };
         let line = PathElement::new(place(index), ElementKind::Cut, shape);
@@ -143,7 +143,7 @@ fn element(length: f64, turns: bool, jerk: bool) {
     } else {
         Shape::Line { start, end: Point3::new(0.8 * length, 0.6 * length, 0.0) }
     };
-    let place = Place { line: 1, block: None };
+    let place = Place::at(1);
     let element = PathElement { feed: 0.5, ..PathElement::new(place, ElementKind::Cut, shape) };
     let element = PathElement { acceleration: 2.0, deceleration: 2.0, ..element };
     let jerk = jerk.then_some(40.0);

@@ -14,7 +14,7 @@ fn settings(tolerance: f64, angle: f64) -> Settings {
 }
 
 fn element(line: u32, kind: ElementKind, shape: Shape) -> PathElement {
-    let made = PathElement::new(Place { line, block: None }, kind, shape);
+    let made = PathElement::new(Place::at(line), kind, shape);
     PathElement { feed: 0.2, acceleration: 5.0, deceleration: 5.0, ..made }
 }
 

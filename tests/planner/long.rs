@@ -49,7 +49,7 @@ pub fn teeth() -> impl Iterator<Item = Shape> {
 }
 
 pub fn cut((index, shape): (usize, Shape)) -> PathElement {
-    let place = Place { line: index as u32 + 1, block: None };
+    let place = Place::at(index as u32 + 1);
     let made = PathElement::new(place, ElementKind::Cut, shape);
     PathElement { feed: 0.02, acceleration: 1.0, deceleration: 1.0, ..made }
 }

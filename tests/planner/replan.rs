@@ -133,7 +133,7 @@ fn drive(path: &[PathElement], settings: &Settings, changes: &[Change], lead: f6
 pub fn line(length: f64, feed: f64) -> PathElement {
     let start = Point3::new(0.02, 0.0, 0.0);
     let shape = Shape::Line { start, end: Point3::new(0.02 + length, 0.0, 0.0) };
-    let made = PathElement::new(Place { line: 1, block: None }, ElementKind::Cut, shape);
+    let made = PathElement::new(Place::at(1), ElementKind::Cut, shape);
     PathElement { feed, acceleration: 20.0, deceleration: 20.0, ..made }
 }
 
@@ -266,7 +266,7 @@ proptest! {
 fn with_m_function() -> Vec<PathElement> {
     let at = |x: f64, y: f64| Point3::new(x, y, 0.0);
     let element = |line, kind, start, end| {
-        let place = Place { line, block: None };
+        let place = Place::at(line);
         let made = PathElement::new(place, kind, Shape::Line { start, end });
         PathElement { feed: 0.1, acceleration: 20.0, deceleration: 20.0, ..made }
     };

@@ -15,7 +15,7 @@ fn steps(machine: Machine, length: f64, count: u32) -> Vec<PathElement> {
     let step = |index: u32| {
         let start = at;
         at += directions[index as usize % 4] * length;
-        let place = Place { line: index + 1, block: None };
+        let place = Place::at(index + 1);
         let made = PathElement::new(place, ElementKind::Cut, Shape::Line { start, end: at });
         PathElement { feed: 0.2, acceleration: 20.0, deceleration: 20.0, ..made }
     };
@@ -54,7 +54,7 @@ fn interrupted(machine: Machine, length: f64, angle: f64, count: u32) -> Vec<Pat
         let turned = if index % 4 == 3 { 0.5 * angle } else { turned };
         at += Vector3::new(turned.cos(), turned.sin(), 0.0)
             * if index.is_multiple_of(2) { 0.01 } else { length };
-        let place = Place { line: index + 1, block: None };
+        let place = Place::at(index + 1);
         let made = PathElement::new(place, ElementKind::Cut, Shape::Line { start, end: at });
         PathElement { feed: 0.2, acceleration: 20.0, deceleration: 20.0, ..made }
     };

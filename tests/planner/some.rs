@@ -20,7 +20,7 @@ fn limits() -> Vec<AxisLimits> {
 }
 
 fn element(index: usize, shape: Shape) -> PathElement {
-    let place = Place { line: index as u32 + 1, block: None };
+    let place = Place::at(index as u32 + 1);
     let made = PathElement::new(place, ElementKind::Cut, shape);
     PathElement { feed: 0.05, acceleration: 1.0, deceleration: 1.0, ..made }
 }

@@ -20,7 +20,7 @@ fn circles_are_as_fast_as_the_tool_may_be_accelerated() {
         let center = Point3::from(0.5 * (min + max));
         let start = Point3::new(center.x + RADIUS, center.y, center.z);
         let arc = Arc::in_plane(Plane::Xy, start, start, center, TAU);
-        let place = Place { line: 1, block: None };
+        let place = Place::at(1);
         let made = PathElement::new(place, ElementKind::Cut, Shape::Arc(arc));
         let path = [PathElement { feed: 0.15, acceleration: 20.0, deceleration: 20.0, ..made }];
         // v̇² + (v²/r)² = a²: to √(a·r) it takes √(r/a)·∫dx/√(1 − x⁴), on π/4 of the radius.

@@ -24,6 +24,7 @@ pub use step::Leg;
 use crate::setpoint::AxisSetpoint;
 use nalgebra::Vector3;
 use step::{Line, Step};
+use twin_gcode::rs274::Tool;
 use twin_kinematics::{AxisMotion, AxisVector, Coordinate, Kinematics, Pose, ToolMotion};
 use twin_machine::tappets::TappetBits;
 use twin_machine::{ApproachOrder, Machine, SimulationError};
@@ -55,21 +56,23 @@ pub struct Approach {
     nearest: Option<Clearance>,
     /// Least clearance on the way across, m; infinite if there is none.
     across: f64,
+    /// Tool of a tool table in the spindle, by its number.
+    tool: Option<u32>,
 }
 
 impl Approach {
     /// The way of all axes from `from` to `to` (m or rad), as the machine file wants it, with at most `factor` times the
-    /// largest velocity of each axis.
+    /// largest velocity of each axis. `tool` of a tool table is in the spindle, or else that of the machine file.
     ///
     /// # Errors
     /// [`ApproachError`] if no way is clear.
     pub fn plan(
         machine: &Machine,
-        from: &AxisVector,
-        to: &AxisVector,
+        tool: Option<&Tool>,
+        [from, to]: [&AxisVector; 2],
         factor: f64,
     ) -> Result<Self, ApproachError> {
-        let mut planner = Planner::new(machine, factor)?;
+        let mut planner = Planner::new(machine, tool, factor)?;
         planner.check_start(from)?;
         let straight = |from: AxisVector, to: AxisVector| Line::of_axes(Leg::Straight, from, to);
         let lines = match machine.conditions.approach.order {
@@ -85,16 +88,17 @@ impl Approach {
         planner.check(lines, *from)
     }
 
-    /// The way of `axes`, by their places in the machine file, to their zeros, one after the other.
+    /// The way of `axes`, by their places in the machine file, to their zeros, one after the other, with `tool` in the spindle.
     ///
     /// # Errors
     /// [`ApproachError`] if it is not clear.
     pub fn homing(
         machine: &Machine,
+        tool: Option<&Tool>,
         from: &AxisVector,
         axes: &[usize],
     ) -> Result<Self, ApproachError> {
-        let mut planner = Planner::new(machine, 1.0)?;
+        let mut planner = Planner::new(machine, tool, 1.0)?;
         planner.check_start(from)?;
         let zeros = AxisVector::zeros(from.len());
         planner.check(one_by_one(Leg::Home, *from, &zeros, axes.iter().copied()), *from)
@@ -118,6 +122,13 @@ impl Approach {
     /// Least clearance on the way; `None` if the machine file has no obstacles.
     pub fn nearest(&self) -> Option<&Clearance> {
         self.nearest.as_ref()
+    }
+
+    /// Names of the two parts that come nearest to each other, and their distance (m); `None` if the machine file has no obstacles.
+    pub fn nearest_names(&self, machine: &Machine) -> Option<([String; 2], f64)> {
+        let nearest = self.nearest.as_ref()?;
+        let names = nearest.parts.map(|part| machine.part_name_with(part, self.tool));
+        Some((names, nearest.distance))
     }
 
     /// What moves, step by step: `Z to 40.000 mm; tool tip at X 0.000 Y 0.000 Z 20.000 mm`.
@@ -236,14 +247,16 @@ impl Lift {
 struct Planner<'m> {
     machine: &'m Machine,
     scan: Option<ClearanceScan>,
+    /// Tool of a tool table in the spindle, by its number.
+    tool: Option<u32>,
     factor: f64,
 }
 
 impl<'m> Planner<'m> {
-    fn new(machine: &'m Machine, factor: f64) -> Result<Self, ApproachError> {
-        let scan = machine.scan_without_cuts();
+    fn new(machine: &'m Machine, tool: Option<&Tool>, factor: f64) -> Result<Self, ApproachError> {
+        let scan = machine.scan_without_cuts(tool);
         let scan = scan.map_err(|error| SimulationError::of(machine, error))?;
-        Ok(Self { machine, scan, factor })
+        Ok(Self { machine, scan, tool: tool.map(|tool| tool.number), factor })
     }
 
     fn tip(&self, axes: &AxisVector) -> Result<Pose, ApproachError> {
@@ -256,7 +269,7 @@ impl<'m> Planner<'m> {
 
     /// Names of the two parts, that which moves first, and depth in mm.
     fn hit(&self, nearest: &Clearance) -> (String, String, f64) {
-        let [part, other] = nearest.parts.map(|part| self.machine.part_name(part));
+        let [part, other] = nearest.parts.map(|part| self.machine.part_name_with(part, self.tool));
         (part, other, -nearest.distance * 1e3)
     }
 
@@ -354,7 +367,7 @@ impl<'m> Planner<'m> {
     /// The motion along `lines`, checked cycle by cycle.
     fn check(&mut self, lines: Vec<Line>, from: AxisVector) -> Result<Approach, ApproachError> {
         let (nearest, across) = (self.nearest(&from)?, f64::INFINITY);
-        let mut approach = Approach { from, steps: Vec::new(), nearest, across };
+        let mut approach = Approach { from, steps: Vec::new(), nearest, across, tool: self.tool };
         for line in lines.into_iter().filter(|line| !line.is_empty()) {
             let step = Step::new(self.machine, line, self.factor)?;
             for axes in motions(self.machine, &step) {

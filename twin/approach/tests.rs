@@ -24,7 +24,7 @@ fn axes([x, y, z]: [f64; 3]) -> AxisVector {
 
 /// From tip to tip.
 fn planned(machine: &Machine, from: [f64; 3], to: [f64; 3]) -> Result<Approach, ApproachError> {
-    Approach::plan(machine, &axes(from), &axes(to), 0.25)
+    Approach::plan(machine, None, [&axes(from), &axes(to)], 0.25)
 }
 
 /// What moves in each step, and the tip at its end.
@@ -137,7 +137,7 @@ fn setpoints_keep_the_limits_of_the_axes() {
             let [low, high] = axis.position_limits;
             *position += 0.05 * (high - low).min(3.0);
         }
-        let way = Approach::plan(&machine, &from, &start, 0.25).unwrap_or_else(|error| {
+        let way = Approach::plan(&machine, None, [&from, &start], 0.25).unwrap_or_else(|error| {
             panic!("{file}: {error}");
         });
         let setpoints: Vec<_> = way.setpoints(&machine).collect();
@@ -174,7 +174,8 @@ fn a_tripod_lifts_its_tool_straight() {
         let pose = twin_kinematics::Pose::at(x * 1e-3, y * 1e-3, z * 1e-3);
         machine.kinematics.inverse(&pose, &machine.middle()).unwrap()
     };
-    let way = Approach::plan(&machine, &at(40.0, 0.0, 20.0), &at(-30.0, 50.0, 40.0), 0.25).unwrap();
+    let way = Approach::plan(&machine, None, [&at(40.0, 0.0, 20.0), &at(-30.0, 50.0, 40.0)], 0.25)
+        .unwrap();
     let mut heights = Vec::new();
     for setpoint in way.setpoints(&machine) {
         let tip = machine.kinematics.forward(&setpoint.axes.position).unwrap().position * 1e3;

@@ -282,7 +282,7 @@ impl<'a> CamCheck<'a> {
         value: Option<(f64, f64)>,
         hint: &str,
     ) {
-        let mut finding = Finding::error(rule, Place { line: 0, block: None }, message);
+        let mut finding = Finding::error(rule, Place::at(0), message);
         finding.severity = severity;
         finding.value = value.map(|(value, _)| value);
         finding.limit = value.map(|(_, limit)| limit);

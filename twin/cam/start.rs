@@ -82,7 +82,7 @@ impl CamUse {
             place(curve.start()),
             place(curve.end())
         );
-        let mut finding = Finding::error(Rule::Coupling, Place { line: 0, block: None }, message);
+        let mut finding = Finding::error(Rule::Coupling, Place::at(0), message);
         let [from, to] = self.starts(curve).map(at);
         let other = if let Some(folded) = self.folded(file, master) {
             let folded = folded.coupling.input;

@@ -9,10 +9,11 @@ use super::{Clearances, Outcome};
 use crate::bridge::{Bridge, BridgeSetpoint};
 use crate::finding;
 use crate::finding::Finding;
-use crate::m_function::MCalls;
+use crate::m_function::{MCall, MCalls};
 use crate::messages::no_axes;
 use crate::peak::{AxisPeak, Peak};
 use crate::planning::Planning;
+use crate::program::Dialect;
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::tolerance::{exceeds, is_hidden};
 use std::collections::BTreeSet;
@@ -31,6 +32,7 @@ use twin_planner::planned_motion::PlannedPiece;
 #[derive(Debug)]
 pub(super) struct Checker<'m> {
     machine: &'m Machine,
+    dialect: Dialect,
     pub(super) transformer: Transformer<'m>,
     /// Velocity of rapids where the machine file and not the program says it, m/s.
     rapids: Option<f64>,
@@ -63,9 +65,10 @@ impl<'m> Checker<'m> {
         machine: &'m Machine,
         rapids: Option<f64>,
         slack: [f64; 3],
-        is_job: bool,
+        dialect: Dialect,
     ) -> Self {
         Self {
+            dialect,
             rapids,
             machine,
             transformer: Transformer::new(machine),
@@ -76,7 +79,7 @@ impl<'m> Checker<'m> {
             start: None,
             duration_ns: 0,
             untaken: 0,
-            free: free_axes(machine, is_job),
+            free: free_axes(machine, dialect == Dialect::Job),
             turning: turning_axes(machine),
             jumps: CamJumps::new(machine),
             pieces: None,
@@ -140,18 +143,25 @@ impl<'m> Checker<'m> {
         let element = piece.element.element();
         let Some(extra) = element.extra() else { return };
         let pairs = extra.start.iter().zip(extra.end);
-        self.missing_axes(element.place, pairs.map(|(start, end)| (end - start).abs() > 0.0));
+        let is_u = element.details.as_ref().map(|details| details.third_is_u);
+        self.missing_axes(element.place, is_u, pairs.map(|(start, end)| (end - start).abs() > 0.0));
     }
 
     /// Reports additional axes that move and that the machine does not have, each once.
-    fn missing_axes(&mut self, place: Place, moves: impl Iterator<Item = bool>) {
+    fn missing_axes(
+        &mut self,
+        place: Place,
+        is_u: Option<bool>,
+        moves: impl Iterator<Item = bool>,
+    ) {
         for ((number, letter), _) in (0..).zip(EXTRA_AXES).zip(moves).filter(|(_, moves)| *moves) {
             let reported = self.reported_missing.get_mut(usize::from(number));
             if !self.machine.kinematics.sources().contains(&AxisSource::Additional(number))
                 && self.machine.direction.additional() != Some(number)
                 && reported.is_some_and(|reported| !std::mem::replace(reported, true))
             {
-                self.findings.add(None, messages::no_additional_axis(place, letter));
+                let finding = messages::no_additional_axis(place, letter, self.dialect, is_u);
+                self.findings.add(None, finding);
             }
         }
     }
@@ -161,15 +171,19 @@ impl<'m> Checker<'m> {
         self.duration_ns
     }
 
-    /// `None` if the machine cannot take this set-point.
-    pub(super) fn tool(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
+    /// `None` if the machine cannot take this set-point, at which the path may wait for `m_call`.
+    pub(super) fn tool(
+        &mut self,
+        tool: &ToolSetpoint,
+        m_call: Option<MCall>,
+    ) -> Option<AxisSetpoint> {
         self.duration_ns = tool.time_ns;
         // In the blend at the end of an element the additional axes of the next one move.
         if self.pieces.is_none() {
             let moves = tool.extra.velocity.iter().map(|velocity| *velocity != 0.0);
-            self.missing_axes(tool.place, moves);
+            self.missing_axes(tool.place, None, moves);
         }
-        let setpoint = self.transformer.axes(tool, None);
+        let setpoint = self.transformer.axes(tool, m_call);
         if setpoint.is_ok() && self.start.is_none() {
             for (names, groups) in self.transformer.stood_on_tappets() {
                 let finding = crate::messages::starts_on_tappets(tool.place, names, &groups);
@@ -355,6 +369,8 @@ impl<'m> Checker<'m> {
             switch_points: SwitchPoints::default(),
             m_calls: BTreeSet::new(),
             m_functions: MCalls::default(),
+            start_tool: None,
+            tool: None,
         }
     }
 }

@@ -3,9 +3,8 @@
 use super::findings::{About, Findings};
 use super::messages;
 use crate::m_function::MCall;
-use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::AxisSetpoint;
-use twin_gcode::rs274::{Tool, ToolTable};
+use crate::spindle::Spindle;
 use twin_machine::{Machine, SimulationError};
 use twin_path::Place;
 use twin_physics::{Clearance, ClearanceScan, Part};
@@ -25,6 +24,8 @@ pub struct BlockClearance {
     pub time_ns: i64,
     /// The two parts and their distance.
     pub nearest: Clearance,
+    /// Tool of the tool table in the spindle, by its number.
+    pub tool: Option<u32>,
     /// It may touch: it is a probe that does, or has not come free yet.
     pub may_touch: bool,
 }
@@ -49,10 +50,15 @@ impl BlockClearance {
         self.nearest.distance < -TOUCHING
     }
 
+    /// Names of the two parts.
+    pub fn names(&self, machine: &Machine) -> [String; 2] {
+        self.nearest.parts.map(|part| machine.part_name_with(part, self.tool))
+    }
+
     /// A sentence about it as the least of all, with the names of the machine.
     pub fn message(&self, machine: &Machine) -> String {
         let Self { place, nearest, .. } = self;
-        let [one, other] = nearest.parts.map(|part| machine.part_name(part));
+        let [one, other] = self.names(machine);
         if self.is_collision() {
             let depth = -nearest.distance * 1e3;
             return format!(
@@ -77,10 +83,7 @@ pub struct Clearances {
 #[derive(Debug)]
 pub(super) struct Way {
     scan: ClearanceScan,
-    /// The tools of the program.
-    tools: ToolTable,
-    /// The last M function.
-    last_call: Option<u64>,
+    spindle: Spindle,
     /// Clearances below this are reported, m.
     wanted: f64,
     /// What a probe has touched and not come away from.
@@ -91,20 +94,16 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// The collision check of `machine` along `program`; `None` if the machine file has none.
+    /// The collision check of `machine` with the tools of `spindle`; `None` if the machine file has none.
     pub(super) fn new(
         machine: &Machine,
-        program: &ProgramFile,
+        spindle: &Spindle,
     ) -> Result<Option<Self>, SimulationError> {
-        let tools = (program.dialect() == Dialect::Rs274)
-            .then(|| program.rs274_options(&machine.conditions).tools);
-        let tools = tools.flatten().unwrap_or_default();
-        let scan = scan_with(machine, tools.get(machine.conditions.rs274.tool))?;
+        let scan = scan_with(machine, spindle)?;
         let wanted = machine.collision.as_ref().map_or(0.0, |collision| collision.clearance);
         Ok(scan.map(|scan| Self {
             scan,
-            tools,
-            last_call: None,
+            spindle: spindle.clone(),
             wanted,
             touched: None,
             near: Vec::new(),
@@ -112,20 +111,15 @@ impl Way {
         }))
     }
 
-    /// Observes the M function at which the path waits: M6 and M61 put tool K into the spindle.
+    /// Observes the M function at which the path waits.
     pub(super) fn observe(
         &mut self,
         machine: &Machine,
         call: &MCall,
     ) -> Result<(), SimulationError> {
-        let is_next = self.last_call.replace(call.index) != Some(call.index);
-        let Some(number) = call.parameters.k else { return Ok(()) };
-        if !is_next || !matches!(call.number, 6 | 61) || self.tools.as_slice().is_empty() {
-            return Ok(());
-        }
-        let is_it = |tool: &&Tool| (f64::from(tool.number) - number).abs() < 0.5;
-        let tool = self.tools.as_slice().iter().find(is_it);
-        if let Some(scan) = scan_with(machine, tool)? {
+        if self.spindle.observe(call)
+            && let Some(scan) = scan_with(machine, &self.spindle)?
+        {
             self.scan = scan;
         }
         Ok(())
@@ -152,13 +146,20 @@ impl Way {
         let may_touch = |parts: &[Part; 2]| by_probe(parts) || self.touched == Some(*parts);
 
         let AxisSetpoint { place, time_ns, .. } = *setpoint;
-        let now = BlockClearance { place, time_ns, nearest, may_touch: may_touch(&nearest.parts) };
-        for one in &self.near {
-            let about = Some(About::Parts(one.parts));
-            if one.distance < -TOUCHING {
-                findings.add(about, messages::in_the_way(machine, place, one));
-            } else if self.wanted > 0.0 && one.distance < self.wanted && !may_touch(&one.parts) {
-                findings.add(about, messages::too_near(machine, place, one, self.wanted));
+        let of = |nearest: Clearance| BlockClearance {
+            place,
+            time_ns,
+            nearest,
+            tool: self.spindle.number(),
+            may_touch: may_touch(&nearest.parts),
+        };
+        let now = of(nearest);
+        for one in self.near.iter().map(|one| of(*one)) {
+            let about = Some(About::Parts(one.nearest.parts));
+            if one.is_collision() {
+                findings.add(about, messages::in_the_way(machine, &one));
+            } else if self.wanted > 0.0 && one.nearest.distance < self.wanted && !one.may_touch {
+                findings.add(about, messages::too_near(machine, &one, self.wanted));
             }
         }
         if self.found.least.is_none_or(|least| now.is_nearer_than(&least)) {
@@ -177,14 +178,11 @@ impl Way {
     }
 }
 
-/// The scan of `machine` with `tool` in the spindle, or with that of the machine file.
+/// The scan of `machine` with the tool in the spindle.
 fn scan_with(
     machine: &Machine,
-    tool: Option<&Tool>,
+    spindle: &Spindle,
 ) -> Result<Option<ClearanceScan>, SimulationError> {
-    let scan = match tool {
-        Some(tool) => machine.clearance_scan_with(tool),
-        None => machine.clearance_scan(),
-    };
+    let scan = machine.clearance_scan_with(spindle.tool());
     scan.map_err(|error| SimulationError::of(machine, error))
 }

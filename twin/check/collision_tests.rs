@@ -134,7 +134,7 @@ fn the_tool_in_the_spindle_counts() {
     let hits = collisions(&outcome, Severity::Error);
     let lines: Vec<_> = hits.iter().map(|hit| hit.line).collect();
     assert_eq!(lines, [6, 7], "{outcome:#?}");
-    assert!(hits[0].message.starts_with("the tool is 2.000 mm deep in fixed jaw"), "{hits:?}");
+    assert!(hits[0].message.starts_with("tool 2 is 2.000 mm deep in fixed jaw"), "{hits:?}");
     assert!(collisions(&outcome, Severity::Warning).is_empty(), "{outcome:#?}");
     let least = |line: u32| {
         let blocks = outcome.clearances.blocks.iter();
@@ -160,7 +160,7 @@ fn a_long_tool_reaches_lower() {
     let outcome = checked(&with_tools(VICE), &format!("T3 M6\n{down}"), false);
     let hits = collisions(&outcome, Severity::Error);
     assert_eq!(hits[0].line, 3, "{outcome:#?}");
-    assert!(hits[0].message.starts_with("the tool is 2.000 mm deep in fixed jaw"), "{hits:?}");
+    assert!(hits[0].message.starts_with("tool 3 is 2.000 mm deep in fixed jaw"), "{hits:?}");
     let outcome = checked(&with_tools(VICE), &format!("T3 M6 G43\n{down}"), false);
     assert!(outcome.findings.is_empty(), "{outcome:#?}");
     let least = outcome.clearances.blocks.iter().find(|block| block.place.line == 3).unwrap();

@@ -3,7 +3,7 @@
 use crate::finding::{self, Finding, Rule, Severity};
 use std::collections::{BTreeMap, VecDeque};
 use twin_machine::Axis;
-use twin_path::Place;
+use twin_path::{LineKey, Place};
 use twin_physics::Part;
 
 /// Findings beyond this number of each severity are counted, not kept: a program that is wrong on every one of ten
@@ -27,7 +27,7 @@ pub(super) enum About {
 
 /// What makes a finding one finding: line, rule, what it is about and column, and of what is only worth knowing also what it
 /// says: two blocks of a line say two things. Later ones that agree in this only raise its value and lower its feed.
-type Key = (u32, Rule, Option<About>, Option<usize>, Option<String>);
+type Key = (LineKey, Rule, Option<About>, Option<usize>, Option<String>);
 
 /// Findings, bounded in number. Each severity has room of its own, so that no number of warnings hides an error, and so have
 /// findings about axes and parts, so that they hide nothing that is wrong with the text.
@@ -39,7 +39,7 @@ pub(super) struct Findings {
     /// The worst error that is not kept.
     worst_left_out: Option<Finding>,
     /// What was counted lately, each with the last line up to then.
-    left_out_lately: VecDeque<(u32, (Severity, Key))>,
+    left_out_lately: VecDeque<(LineKey, (Severity, Key))>,
 }
 
 impl Findings {
@@ -48,7 +48,7 @@ impl Findings {
         let severity = finding.severity;
         let is_statement = severity == Severity::Note && about.is_none() && finding.value.is_none();
         let said = is_statement.then(|| finding.message.clone());
-        let key = (finding.line, finding.rule, about, column, said);
+        let key = (finding.place().key(), finding.rule, about, column, said);
         let kept = self.kept.entry((severity, about.is_some())).or_default();
         if let Some(kept) = kept.get_mut(&key) {
             // A feed is small enough if it is so wherever the finding was made.
@@ -151,7 +151,7 @@ impl AxisFindings<'_> {
         let Some(kept) = kept else {
             return false;
         };
-        let key = (place.line, rule, Some(self.about), None, None);
+        let key = (place.key(), rule, Some(self.about), None, None);
         let ratio = finding::limit_ratio(self.axis.from_si(value), self.axis.from_si(limit));
         // No overload is worse than an error of another kind.
         let is_worst = worst_left_out
@@ -177,7 +177,7 @@ mod tests {
     const GANTRY3: &str = include_str!("../../tests/data/machines/gantry3.toml");
 
     fn found(severity: Severity, message: &str) -> Finding {
-        let place = Place { line: 7, block: None };
+        let place = Place::at(7);
         let finding = Finding::error(Rule::FunctionBlock, place, message.to_owned());
         Finding { severity, ..finding }
     }
@@ -193,7 +193,7 @@ mod tests {
         for number in 0..6000_u32 {
             random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             // Some lines again and again, and some values twice.
-            let place = Place { line: number / 2 + random % 3, block: None };
+            let place = Place::at(number / 2 + random % 3);
             let value = 1.0 + f64::from(random >> 20) * 1e-3;
             let warns = random.is_multiple_of(5);
             let rule = if warns { Rule::AxisJerk } else { Rule::AxisVelocity };
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn the_worst_error_is_never_left_out() {
         let limit = |line: u32, factor: f64| {
-            let place = Place { line, block: None };
+            let place = Place::at(line);
             let finding = Finding::error(Rule::AxisVelocity, place, format!("line {line}"));
             finding.with_value(factor, 1.0, "mm/s")
         };

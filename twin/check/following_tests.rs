@@ -75,7 +75,7 @@ fn a_late_device_is_speed_times_delay_behind() {
         let vector = |x: f64| AxisVector::from_values([x, 0.0, 0.0]);
         follower.take(&AxisSetpoint {
             time_ns: i64::from(cycle) * 1_000_000,
-            place: Place { line, block: None },
+            place: Place::at(line),
             axes: AxisMotion {
                 position: vector(position),
                 velocity: vector(speed),

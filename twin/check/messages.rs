@@ -1,8 +1,10 @@
 //! Messages of the check: the fault, with value and limit.
 
+use super::BlockClearance;
 use crate::finding::{Finding, Rule, Severity};
 use crate::messages::beyond_position;
 use crate::plant::{Blow, Happening, ProbeMiss, ProbeTouch};
+use crate::program::Dialect;
 use std::collections::BTreeSet;
 use twin_cam::MAX_TRIGGERS;
 use twin_kinematics::Kinematics;
@@ -10,7 +12,7 @@ use twin_machine::axis_kind::AxisKind;
 use twin_machine::{Axis, FaultAt, FaultStart, Machine, SimulationError, VelocitySource};
 use twin_number::seconds;
 use twin_path::Place;
-use twin_physics::{Clearance, EventKind, Fault, Part};
+use twin_physics::{EventKind, Fault, Part};
 
 /// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
 const RUN_AWAY: f64 = 2e-3;
@@ -20,21 +22,31 @@ pub(super) fn lost_tappets(count: u64) -> Finding {
     let message = format!(
         "lost tappets: {count}; in a cycle the master passed more than the {MAX_TRIGGERS} that a cam reports (SMC_TappetData): slow the master down, or move the tappets apart"
     );
-    let mut finding = Finding::error(Rule::FunctionBlock, Place { line: 1, block: None }, message);
+    let mut finding = Finding::error(Rule::FunctionBlock, Place::at(1), message);
     finding.severity = Severity::Warning;
     finding
 }
 
-/// A program that moves an additional axis on a machine without it.
-pub(super) fn no_additional_axis(place: Place, letter: char) -> Finding {
-    let in_rs274 = match letter {
-        'P' => " (A in RS274)",
-        'Q' => " (B in RS274)",
-        'U' => " (C in RS274)",
-        _ => "",
+/// A program in `dialect` that moves the additional axis of the role `letter` on a machine without it. The third one of
+/// RS274 is C or, if `is_u` says so, U.
+pub(super) fn no_additional_axis(
+    place: Place,
+    letter: char,
+    dialect: Dialect,
+    is_u: Option<bool>,
+) -> Finding {
+    let name = match (dialect, letter) {
+        (Dialect::Rs274, 'P') => "A".to_owned(),
+        (Dialect::Rs274, 'Q') => "B".to_owned(),
+        (Dialect::Rs274, 'U') => {
+            is_u.map_or("C or U", |is_u| if is_u { "U" } else { "C" }).to_owned()
+        }
+        _ => letter.to_string(),
     };
+    let needs =
+        if dialect == Dialect::Rs274 { format!(", which {name} needs") } else { String::new() };
     let message = format!(
-        "the program moves the additional axis {letter}{in_rs274}, but no axis of the machine has the role \"{letter}\""
+        "the program moves the additional axis {name}, but no axis of the machine has the role \"{letter}\"{needs}"
     );
     Finding::error(Rule::UnsupportedWord, place, message)
 }
@@ -238,43 +250,51 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
 }
 
 /// Two parts that overlap.
-pub(super) fn in_the_way(machine: &Machine, place: Place, found: &Clearance) -> Finding {
-    let [one, other] = found.parts.map(|part| machine.part_name(part));
-    let depth = -found.distance * 1e3;
-    let [x, y, z] = found.points[0].coords.into();
+pub(super) fn in_the_way(machine: &Machine, found: &BlockClearance) -> Finding {
+    let [one, other] = found.names(machine);
+    let depth = -found.nearest.distance * 1e3;
+    let [x, y, z] = found.nearest.points[0].coords.into();
     let message = format!(
         "{one} is {depth:.3} mm deep in {other}, at X {:.3} Y {:.3} Z {:.3} mm of the machine",
         x * 1e3,
         y * 1e3,
         z * 1e3
     );
-    Finding::error(Rule::Collision, place, message).with_value(-depth, 0.0, "mm")
+    Finding::error(Rule::Collision, found.place, message).with_value(-depth, 0.0, "mm")
 }
 
-/// A machine that is not simulated, because parts overlap at the start.
-pub(super) fn starts_inside(machine: &Machine, place: Place, parts: [Part; 2]) -> Finding {
-    let [one, other] = parts.map(|part| machine.part_name(part));
-    let message = format!("not simulated: {one} and {other} overlap where the program starts");
+/// A machine that is not simulated, or not any further, because parts overlap where the program starts or the tool changes.
+pub(super) fn starts_inside(
+    machine: &Machine,
+    (place, is_start): (Place, bool),
+    (parts, tool): ([Part; 2], Option<u32>),
+) -> Finding {
+    let [one, other] = parts.map(|part| machine.part_name_with(part, tool));
+    let message = if is_start {
+        format!("not simulated: {one} and {other} overlap where the program starts")
+    } else {
+        format!("not simulated from here on: {one} and {other} overlap after the tool change")
+    };
     let finding = Finding::error(Rule::Collision, place, message);
     Finding { severity: Severity::Note, ..finding }
 }
 
 /// Two parts nearer to each other than is wanted (m).
-pub(super) fn too_near(machine: &Machine, place: Place, found: &Clearance, wanted: f64) -> Finding {
-    let [one, other] = found.parts.map(|part| machine.part_name(part));
+pub(super) fn too_near(machine: &Machine, found: &BlockClearance, wanted: f64) -> Finding {
+    let [one, other] = found.names(machine);
     // Parts that touch have the distance 0.
-    let (distance, wanted) = (found.distance.max(0.0) * 1e3, wanted * 1e3);
+    let (distance, wanted) = (found.nearest.distance.max(0.0) * 1e3, wanted * 1e3);
     let message = format!(
         "{one} comes as near as {distance:.3} mm to {other}; the clearance wanted is {wanted:.3} mm"
     );
-    let finding = Finding::error(Rule::Collision, place, message);
+    let finding = Finding::error(Rule::Collision, found.place, message);
     Finding { severity: Severity::Warning, ..finding.with_value(distance, wanted, "mm") }
 }
 
 /// A blow in the simulated machine.
 pub(super) fn ran_into(machine: &Machine, blow: &Blow) -> Finding {
-    let Blow { place, parts, speed, impulse, peak } = *blow;
-    let [one, other] = parts.map(|part| machine.part_name(part));
+    let Blow { place, parts, tool, speed, impulse, peak } = *blow;
+    let [one, other] = parts.map(|part| machine.part_name_with(part, tool));
     let message = format!(
         "{one} ran into {other} with {:.1} mm/s in the simulated machine: impulse {impulse:.3} N s, peak force {} at the contact stiffness of the machine file",
         speed * 1e3,
@@ -316,7 +336,7 @@ pub(super) fn never_began(machine: &Machine, fault: &FaultAt) -> Finding {
     let message = format!(
         "the fault of {whose} {when} in the scenario never began, because nothing moved then"
     );
-    let finding = Finding::error(Rule::Fault, Place { line, block: None }, message);
+    let finding = Finding::error(Rule::Fault, Place::at(line), message);
     Finding { severity: Severity::Warning, ..finding }
 }
 
@@ -336,11 +356,11 @@ pub(super) fn leave_out_nearness(findings: &mut Vec<Finding>) {
     let is_collision = |finding: &&Finding| finding.rule == Rule::Collision;
     let hits = findings.iter().filter(is_collision);
     let hits = hits.filter(|finding| finding.severity == Severity::Error);
-    let hits: BTreeSet<_> = hits.map(|finding| finding.line).collect();
+    let hits: BTreeSet<_> = hits.map(|finding| finding.place().key()).collect();
     findings.retain(|finding| {
         !(is_collision(&finding)
             && finding.severity == Severity::Warning
-            && hits.contains(&finding.line))
+            && hits.contains(&finding.place().key()))
     });
 }
 
@@ -349,9 +369,9 @@ pub(super) fn leave_out_consequences(findings: &mut Vec<Finding>) {
     let unreachable: BTreeSet<_> = findings
         .iter()
         .filter(|finding| finding.rule == Rule::Reach)
-        .map(|finding| finding.line)
+        .map(|finding| finding.place().key())
         .collect();
-    let about = |finding: &Finding| (finding.line, finding.axis.clone());
+    let about = |finding: &Finding| (finding.place().key(), finding.axis.clone());
     let broken = findings
         .iter()
         .filter(|finding| finding.rule == Rule::AxisJerk && finding.severity == Severity::Error);
@@ -369,7 +389,7 @@ pub(super) fn leave_out_consequences(findings: &mut Vec<Finding>) {
                 | Rule::AxisVelocityStep
                 | Rule::Singularity
         );
-        !(follows && unreachable.contains(&finding.line))
+        !(follows && unreachable.contains(&finding.place().key()))
     });
 }
 

@@ -42,6 +42,7 @@ use crate::planning::Planning;
 use crate::plant::PlantRecord;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint_source::PlanItem;
+use crate::spindle::ToolLeft;
 use checker::Checker;
 pub use clearance::{ClearanceCsv, ClearancePicture};
 use collision::Way;
@@ -55,6 +56,7 @@ pub(crate) use plan_check::PlanCheck;
 use rehearsal::Rehearsal;
 pub use run_findings::{drive_errors, faults_to_come, following_errors, happening, happenings};
 use std::collections::BTreeSet;
+use twin_gcode::rs274::Tool;
 use twin_kinematics::AxisVector;
 use twin_machine::Machine;
 use twin_machine::switch_points::SwitchPoints;
@@ -117,6 +119,10 @@ pub struct Outcome {
     pub m_calls: BTreeSet<u16>,
     /// Their calls, with their words.
     pub m_functions: MCalls,
+    /// The tool of the tool table in the spindle at the beginning, if there is one.
+    pub start_tool: Option<Tool>,
+    /// The tool that an RS274 program leaves in the spindle.
+    pub tool: Option<ToolLeft>,
 }
 
 /// Progress of a check.
@@ -159,6 +165,7 @@ pub fn check_watched(
         let following = following.transpose()?.flatten();
         checked(machine, program, options, following, (progress, watch))
     })?;
+    outcome.start_tool = program.spindle(machine).tool().copied();
     // Behind a block that cannot be read the path goes on with a jump that nobody has written.
     let unread = |finding: &Finding| {
         let of_text =
@@ -189,15 +196,15 @@ fn checked(
 ) -> Result<Outcome, CheckFailure> {
     let CheckOptions { limits, physics, scenario, acknowledge, drives: _, continues } = options;
     let (slack, rapids) = (slack(limits), rapids(machine, program));
-    let is_job = program.dialect() == Dialect::Job;
-    let mut checker = Checker::new(machine, rapids, slack, is_job);
+    let mut checker = Checker::new(machine, rapids, slack, program.dialect());
     if program.settings().inputs.mode != VelocityMode::Trapezoid {
         // Feeds are solved for on trapezoids.
         checker = checker.without_feeds();
     }
     checker.continue_from(continues);
-    let mut rehearsal = physics.then(|| Rehearsal::new(machine, scenario));
-    let mut way = Way::new(machine, program)?;
+    let spindle = program.spindle(machine);
+    let mut way = Way::new(machine, &spindle)?;
+    let mut rehearsal = physics.then(|| Rehearsal::new(machine, scenario, spindle));
     let rules = Acknowledgement::for_check(machine, acknowledge);
     let mut items = Planning::new(machine, program, limits, rules)?;
     let every_cycle = rehearsal.is_some() || way.is_some() || following.is_some();
@@ -213,11 +220,12 @@ fn checked(
                     continue;
                 }
                 m_calls.extend(tool.m_function);
-                if let Some(call) = items.m_call() {
-                    m_functions.observe(&call);
-                    way.as_mut().map_or(Ok(()), |way| way.observe(machine, &call))?;
+                let call = items.m_call();
+                if let Some(call) = &call {
+                    m_functions.observe(call);
+                    way.as_mut().map_or(Ok(()), |way| way.observe(machine, call))?;
                 }
-                checker.tool(&tool)
+                checker.tool(&tool, call)
             }
             PlanItem::Bridging(instant) => checker.bridging(&instant),
             PlanItem::Axes(setpoint) => Some(*checker.axes(&setpoint)),
@@ -263,8 +271,8 @@ fn checked(
     if items.elements() == 0 && !checker.findings.any_error() {
         checker.findings.add(None, finding::nothing_moves());
     }
-    let record = rehearsal.map(|rehearsal| rehearsal.finish(&mut checker)).transpose()?;
-    let record = record.unwrap_or_default();
+    let nothing = || Ok(PlantRecord::default());
+    let record = rehearsal.map_or_else(nothing, |rehearsal| rehearsal.finish(&mut checker))?;
     simulated(machine, &record, &mut checker);
     (switched.signals, switched.lost) = signals(&items, &checker);
     if switched.lost > 0 {
@@ -272,21 +280,20 @@ fn checked(
     }
     let predicted = following.and_then(FollowingBeside::finish);
     let mut outcome = checker.finish();
-    (outcome.tappets, outcome.switch_points) = (switched, switch_points);
-    (outcome.m_calls, outcome.m_functions) = (m_calls, m_functions);
+    (outcome.tappets, outcome.switch_points, outcome.m_calls) = (switched, switch_points, m_calls);
+    (outcome.m_functions, outcome.tool) = (m_functions, items.tool_left());
     if let Some((predicted, findings, left_out)) = predicted {
         outcome.following = Some(predicted);
         outcome.findings.extend(findings);
         outcome.findings_left_out += left_out;
         finding::sort(&mut outcome.findings);
     }
-    outcome.findings_left_out += record.left_out;
+    outcome.findings_left_out += record.left_out + items.left_out();
     outcome.loads = record.loads;
     outcome.clearances = way.map(Way::into_found).unwrap_or_default();
-    outcome.findings_left_out += items.left_out();
-    outcome.elements = items.elements();
-    outcome.length = items.length();
+    (outcome.elements, outcome.length) = (items.elements(), items.length());
     // Nothing of a job has a feed.
+    let is_job = program.dialect() == Dialect::Job;
     let without_feed = outcome.findings.iter_mut().filter(|_| is_job);
     without_feed.for_each(|finding| finding.largest_feed_mm_per_s = None);
     Ok(outcome)

@@ -46,7 +46,7 @@ impl<'m> PlanCheck<'m> {
     pub(crate) fn finish(&mut self, peaks: &mut [AxisPeak], findings: &mut Vec<Finding>) {
         self.pieces.finish(peaks, &mut self.findings, self.rapids);
         let (found, _) = std::mem::take(&mut self.findings).into_list();
-        let about = |finding: &Finding| (finding.line, finding.rule, finding.axis.clone());
+        let about = |finding: &Finding| (finding.place().key(), finding.rule, finding.axis.clone());
         let exact: HashSet<_> = found.iter().map(about).collect();
         findings.retain(|one| !exact.contains(&about(one)));
         findings.extend(found);

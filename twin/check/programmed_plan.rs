@@ -6,7 +6,7 @@ use crate::finding::{self, Finding, Rule};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
 use crate::planning::Planning;
-use crate::program::ProgramFile;
+use crate::program::{Dialect, ProgramFile};
 use crate::setpoint_source::PlanItem;
 use twin_kinematics::AxisVector;
 use twin_machine::Machine;
@@ -19,7 +19,7 @@ pub(super) fn warning(
     continues: Option<AxisVector>,
 ) -> Result<Option<Finding>, CheckFailure> {
     let mut items = Planning::new(machine, program, Limits::Programmed, rules)?;
-    let mut checker = Checker::new(machine, None, CONTROLLER, false).without_feeds();
+    let mut checker = Checker::new(machine, None, CONTROLLER, Dialect::Din66025).without_feeds();
     checker.continue_from(continues);
     checker.begin(&mut items, false);
     while let Some(item) = items.next() {
@@ -29,7 +29,7 @@ pub(super) fn warning(
                 if let Some(bridge) = checker.bridge(&tool) {
                     items.bridge(bridge, &tool);
                 } else {
-                    checker.tool(&tool);
+                    checker.tool(&tool, None);
                 }
             }
             PlanItem::Bridging(instant) => drop(checker.bridging(&instant)),

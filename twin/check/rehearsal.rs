@@ -5,6 +5,7 @@ use super::messages;
 use crate::plant::{Plant, PlantRecord};
 use crate::setpoint::{AxisSetpoint, resting_behind};
 use crate::simulated::Simulated;
+use crate::spindle::Spindle;
 use std::collections::VecDeque;
 use twin_machine::{Machine, Scenario, SimulationError};
 use twin_physics::PhysicsError;
@@ -14,6 +15,8 @@ use twin_physics::PhysicsError;
 pub(super) struct Rehearsal<'m> {
     machine: &'m Machine,
     scenario: Scenario,
+    /// At the beginning.
+    spindle: Spindle,
     /// From the first set-point on.
     twin: Option<Simulated>,
     /// It has run away from its set-points.
@@ -23,8 +26,8 @@ pub(super) struct Rehearsal<'m> {
 }
 
 impl<'m> Rehearsal<'m> {
-    pub(super) fn new(machine: &'m Machine, scenario: Scenario) -> Self {
-        Self { machine, scenario, twin: None, lost: false, ahead: VecDeque::new() }
+    pub(super) fn new(machine: &'m Machine, scenario: Scenario, spindle: Spindle) -> Self {
+        Self { machine, scenario, spindle, twin: None, lost: false, ahead: VecDeque::new() }
     }
 
     /// Simulates up to the last set-point, and returns the record of the whole program.
@@ -79,12 +82,14 @@ impl<'m> Rehearsal<'m> {
             return Ok(());
         }
         if self.twin.is_none() {
-            let twin = match Simulated::new(self.machine, &setpoint.axes.position) {
+            let (start, spindle) = (&setpoint.axes.position, self.spindle.clone());
+            let twin = match Simulated::with_spindle(self.machine, start, spindle) {
                 Ok(twin) => twin,
                 // The check of set-points reports how deep.
                 Err(SimulationError { error: PhysicsError::Overlap { parts, .. }, .. }) => {
-                    let note = messages::starts_inside(self.machine, setpoint.place, parts);
-                    checker.findings.add(None, note);
+                    let at = (setpoint.place, true);
+                    let parts = (parts, self.spindle.number());
+                    checker.findings.add(None, messages::starts_inside(self.machine, at, parts));
                     self.lost = true;
                     return Ok(());
                 }
@@ -96,6 +101,12 @@ impl<'m> Rehearsal<'m> {
         match twin.command_before(setpoint, &self.ahead).and_then(|()| twin.feedback()) {
             Ok(Some(feedback)) => checker.following(setpoint, &feedback.position),
             Ok(None) => {}
+            // The same after a tool change.
+            Err(PhysicsError::Overlap { parts, .. }) => {
+                let (at, parts) = ((setpoint.place, false), (parts, twin.tool()));
+                checker.findings.add(None, messages::starts_inside(self.machine, at, parts));
+                self.lost = true;
+            }
             // A machine that can be built and cannot do what is asked of it: the program is wrong, not the command.
             Err(error) => {
                 self.lost = true;
@@ -107,7 +118,7 @@ impl<'m> Rehearsal<'m> {
                 if reported {
                     return Ok(());
                 }
-                let error = SimulationError::of(self.machine, error);
+                let error = SimulationError::with_tool(self.machine, error, twin.tool());
                 checker.findings.add(None, messages::lost(setpoint.place, &error));
             }
         }

@@ -75,7 +75,7 @@ mod tests {
     fn errors_of_emulated_drives_have_a_cause() {
         let text = include_str!("../../machines/gantry3.toml");
         let machine = Machine::parse(Path::new("machine.toml"), text).unwrap();
-        let place = Place { line: 7, block: None };
+        let place = Place::at(7);
         let of = |error: f64| {
             let mut statistics = Statistics::default();
             statistics.include(error, place);

@@ -2,6 +2,7 @@
 
 use crate::finding::{Finding, Rule, Severity};
 use crate::tolerance::exceeds;
+use twin_path::Place;
 
 /// More lines are not listed.
 const LISTED: usize = 8;
@@ -11,8 +12,8 @@ const LISTED: usize = 8;
 pub(super) struct Cause<'f> {
     /// The one that is farthest from its limit.
     pub(super) worst: &'f Finding,
-    /// Lines of the others.
-    others: Vec<u32>,
+    /// Places of the others.
+    others: Vec<Place>,
 }
 
 /// What findings of one cause have in common: all but place and numbers.
@@ -43,13 +44,19 @@ pub(super) fn of(findings: &[Finding]) -> Vec<Cause<'_>> {
             let is_worse = exceeds(finding.excess(), cause.worst.excess());
             let other =
                 if is_worse { std::mem::replace(&mut cause.worst, finding) } else { finding };
-            cause.others.push(other.line);
+            cause.others.push(Place { block: None, ..other.place() });
         } else {
             keys.push(key);
             causes.push(Cause { worst: finding, others: Vec::new() });
         }
     }
     causes
+}
+
+/// Number of a line, behind the name of its subroutine file.
+fn number(place: &Place) -> String {
+    let line = place.line_in_file();
+    place.file().map_or_else(|| line.to_string(), |file| format!("{file}:{line}"))
 }
 
 impl Cause<'_> {
@@ -63,11 +70,11 @@ impl Cause<'_> {
         let mut lines = self.others.clone();
         lines.sort_unstable();
         lines.dedup();
-        lines.retain(|line| *line != self.worst.line);
+        lines.retain(|line| line.key() != self.worst.place().key());
         if lines.is_empty() {
             return None;
         }
-        let listed: Vec<_> = lines.iter().take(LISTED).map(ToString::to_string).collect();
+        let listed: Vec<_> = lines.iter().take(LISTED).map(number).collect();
         let more = if lines.len() > LISTED { ", …" } else { "" };
         let plural = if lines.len() == 1 { "line" } else { "lines" };
         Some(format!("… and in {} more {plural}: {}{more}", lines.len(), listed.join(", ")))
@@ -81,8 +88,7 @@ mod tests {
     use twin_path::Place;
 
     fn found(line: u32, axis: &str, message: &str) -> Finding {
-        let mut finding =
-            Finding::error(Rule::AxisVelocity, Place { line, block: None }, message.to_owned());
+        let mut finding = Finding::error(Rule::AxisVelocity, Place::at(line), message.to_owned());
         finding.axis = Some(axis.to_owned());
         finding
     }
@@ -106,7 +112,7 @@ mod tests {
         assert_eq!(of(&probes).len(), 2);
         // What probes have found is shown for each of them, where it is not the same.
         let message = |rule, line, message: &str| {
-            let place = Place { line, block: None };
+            let place = Place::at(line);
             let finding = Finding::error(rule, place, message.to_owned());
             Finding { severity: Severity::Note, ..finding }
         };

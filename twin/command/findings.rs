@@ -10,9 +10,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 use std::ops::Range;
+use std::path::Path;
 use twin_machine::text;
 use twin_number::counted;
-use twin_path::Place;
+use twin_path::{FilePath, Place};
 
 /// How many findings a person is shown.
 const SHOWN_FINDINGS: usize = 20;
@@ -28,7 +29,7 @@ pub(super) fn verdict(findings: &[Finding], left_out: u64) -> String {
         more => format!(" (and {more} findings more, left out)"),
     };
     let worst = finding::worst(findings).map(|worst| {
-        let place = Place { line: worst.line, block: worst.block };
+        let place = worst.place();
         format!("\n  worst: {place}: {}", worst.message)
     });
     format!(
@@ -39,29 +40,42 @@ pub(super) fn verdict(findings: &[Finding], left_out: u64) -> String {
     )
 }
 
-/// Shows findings on standard error with their program lines, the worst first, and findings of one cause once. Notes take one
-/// line together unless `notes` asks for each.
-pub(super) fn findings(program: &ProgramFile, findings: &[Finding], notes: bool) {
+/// Which findings are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// The first causes; notes take one line together.
+    Brief,
+    /// The first causes, and notes as well.
+    WithNotes,
+    /// All of them.
+    All,
+}
+
+/// Shows findings on standard error with their program lines, the worst first, and findings of one cause once.
+pub(super) fn findings(program: &ProgramFile, findings: &[Finding], which: Shown) {
     let is_note = |finding: &Finding| finding.severity == Severity::Note;
     // Notes come last.
     let weighty = findings.partition_point(|finding| !is_note(finding));
-    let (findings, in_brief) = if notes || !findings.iter().skip(weighty).all(is_note) {
-        (findings, &[][..])
-    } else {
-        findings.split_at(weighty)
-    };
+    let (findings, in_brief) =
+        if which != Shown::Brief || !findings.iter().skip(weighty).all(is_note) {
+            (findings, &[][..])
+        } else {
+            findings.split_at(weighty)
+        };
     let causes = causes::of(findings);
-    let shown = causes.get(..SHOWN_FINDINGS).unwrap_or(&causes);
+    let most = if which == Shown::All { causes.len() } else { SHOWN_FINDINGS };
+    let shown = causes.get(..most).unwrap_or(&causes);
     let lines = lines_of(program, shown.iter().map(|cause| cause.worst));
     for cause in shown {
         let finding = cause.worst;
-        let source = lines.get(&finding.line).map(|line| {
+        let source = lines.get(&(finding.file, finding.line)).map(|line| {
             let words = match program.dialect() {
                 Dialect::Job => underline::key(line, finding),
                 _ => underline::words(line, finding),
             };
             let (text, words) = excerpt(line, words);
-            let name = program.path().display().to_string();
+            let file = finding.file.map_or(program.path(), |file| file.path());
+            let name = file.display().to_string();
             (Line { name, number: finding.line, text }, words)
         });
         let others = finding.elsewhere.as_ref().map_or_else(Vec::new, |other| other.shown());
@@ -79,7 +93,7 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding], notes: bool)
     if causes.len() > shown.len() {
         let listed: usize = shown.iter().map(causes::Cause::count).sum();
         let rest = findings.len() - listed;
-        writeln!(io::stderr(), "… and {rest} more").unwrap_or_default();
+        writeln!(io::stderr(), "… and {rest} more; `twin check -v` shows them").unwrap_or_default();
     }
     if let Some(line) = brief(in_brief) {
         writeln!(io::stderr(), "{line}").unwrap_or_default();
@@ -89,18 +103,20 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding], notes: bool)
 /// Notes in one line: the message of a single one, or how many each rule has and the first line.
 fn brief(notes: &[Finding]) -> Option<String> {
     if let [note] = notes {
-        return Some(format!("note: line {}: {}", note.line, note.message));
+        let place = Place { block: None, ..note.place() };
+        return Some(format!("note: {place}: {}", note.message));
     }
-    let mut rules: BTreeMap<&str, (usize, u32)> = BTreeMap::new();
+    let mut rules: BTreeMap<&str, (usize, Place)> = BTreeMap::new();
     for note in notes {
-        let (count, first) = rules.entry(note.rule.name()).or_insert((0, note.line));
-        (*count, *first) = (*count + 1, (*first).min(note.line));
+        let place = Place { block: None, ..note.place() };
+        let (count, first) = rules.entry(note.rule.name()).or_insert((0, place));
+        (*count, *first) = (*count + 1, (*first).min(place));
     }
     let rules: Vec<_> = rules
         .into_iter()
         .map(|(rule, (count, first))| match count {
-            1 => format!("{rule} (line {first})"),
-            _ => format!("{rule} ({count}, from line {first} on)"),
+            1 => format!("{rule} ({first})"),
+            _ => format!("{rule} ({count}, from {first} on)"),
         })
         .collect();
     (!rules.is_empty()).then(|| format!("notes: {}; `twin check -v` shows them", rules.join(", ")))
@@ -114,21 +130,33 @@ fn theme() -> miette::GraphicalTheme {
     }
 }
 
-/// The beginnings of the lines that findings are about, read from the file again: nothing keeps the program in memory.
+/// The beginnings of the lines that findings are about, by their subroutine file, read from the files again: nothing keeps
+/// the program in memory.
 fn lines_of<'f>(
     program: &ProgramFile,
     findings: impl Iterator<Item = &'f Finding>,
-) -> BTreeMap<u32, String> {
-    let wanted: BTreeSet<_> = findings.map(|finding| finding.line).collect();
-    let Some(last) = wanted.last().copied() else {
-        return BTreeMap::new();
-    };
-    // A pipe cannot be read twice.
-    if !program.path().is_file() {
-        return BTreeMap::new();
+) -> BTreeMap<(Option<FilePath>, u32), String> {
+    let mut wanted: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();
+    for finding in findings {
+        wanted.entry(finding.file).or_default().insert(finding.line);
     }
-    let Ok(mut reader) = text::lines_of(program.path()) else { return BTreeMap::new() };
     let mut lines = BTreeMap::new();
+    for (file, wanted) in wanted {
+        let of_file = lines_of_file(file.map_or(program.path(), |file| file.path()), &wanted);
+        lines.extend(of_file.into_iter().map(|(line, text)| ((file, line), text)));
+    }
+    lines
+}
+
+/// The beginnings of the `wanted` lines of a file; none if it cannot be read.
+fn lines_of_file(path: &Path, wanted: &BTreeSet<u32>) -> BTreeMap<u32, String> {
+    let mut lines = BTreeMap::new();
+    let Some(last) = wanted.last().copied() else { return lines };
+    // A pipe cannot be read twice.
+    if !path.is_file() {
+        return lines;
+    }
+    let Ok(mut reader) = text::lines_of(path) else { return lines };
     let mut buffer = Vec::new();
     for number in 1..=last {
         buffer.clear();
@@ -228,7 +256,7 @@ struct ShownFinding<'a> {
 
 impl fmt::Display for ShownFinding<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let place = Place { line: self.finding.line, block: self.finding.block };
+        let place = self.finding.place();
         if place.line == 0 {
             // Of no line of the program: the message says of what.
             return f.write_str(&self.finding.message);

@@ -312,7 +312,7 @@ fn jerk(text: &str) -> Result<f64, String> {
 /// Who acknowledges M functions.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct AcknowledgeOption {
-    /// Who says that an M function is done: nobody needs to (auto), how long each takes (like 500ms or 2s), or you, with
+    /// Who confirms that an M function is done: no one (auto), how long each takes (like 500ms or 2s), or you, with
     /// the Enter key (prompt). M functions in the machine file's `[[m_functions]]` are done when the drives have switched
     /// their outputs and their time is over
     #[arg(long = "m-ack", value_name = "auto|DURATION|prompt", default_value = "auto")]

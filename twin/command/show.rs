@@ -1,6 +1,6 @@
 //! Terminal output shared by commands: tables of peaks and loads, coloured cells, progress bars.
 
-pub(super) use super::findings::{findings, verdict};
+pub(super) use super::findings::{Shown, findings, verdict};
 use crate::check::Progress;
 use crate::peak::{AxisPeak, Peak};
 pub(super) use crate::table::table;

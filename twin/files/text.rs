@@ -1,6 +1,7 @@
 //! Text files: encoding and line ends, recognised at the beginning of the text.
 //!
-//! All text files go through here. Text is UTF-8 or an 8-bit code page; UTF-16 and UTF-32 are refused by name.
+//! All text files go through here. Text is UTF-8 or an 8-bit code page; UTF-16 and UTF-32 are refused by name, and as
+//! programs binary files.
 //! Lines end with LF or CR LF; lone CRs are read as LF, so that places in the file stay the same.
 
 use std::fs::File;
@@ -12,6 +13,9 @@ const HEAD: usize = 1 << 16;
 
 /// Byte pairs of which every second byte is 0 in UTF-16 without a byte order mark.
 const PAIRS: usize = 32;
+
+/// Of text at most one byte in this number is a control character.
+const MOST_CONTROLS: usize = 16;
 
 /// Name of the encoding of the text that begins with `head`, if twin does not read it.
 pub fn foreign_encoding(head: &[u8]) -> Option<&'static str> {
@@ -35,6 +39,23 @@ pub fn foreign_encoding(head: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// Refuses data that begin with `head` and have control characters: a 0, or many others.
+fn check_binary(head: &[u8]) -> io::Result<()> {
+    // Without the blanks, the ends of lines and files, and ESC, 27, of tapes.
+    let is_control = |byte: &u8| matches!(byte, 0..=8 | 14..=25 | 28..=31 | 127);
+    let count = head.iter().filter(|byte| is_control(byte)).count();
+    let is_binary = head.contains(&0) || (count > 1 && count > head.len() / MOST_CONTROLS);
+    let first = head.iter().enumerate().find(|(_, byte)| is_control(byte));
+    let Some((at, byte)) = first.filter(|_| is_binary) else { return Ok(()) };
+    let before = head.get(..at).unwrap_or_default();
+    let lines = (1_usize..).zip(before.split(|byte| *byte == b'\n'));
+    let (line, begun) = lines.last().unwrap_or((1, before));
+    let column = begun.len() + 1;
+    let message =
+        format!("this is not a text program: byte {byte:#04x} at line {line}, column {column}");
+    Err(io::Error::new(io::ErrorKind::InvalidData, message))
+}
+
 /// True if lines of the text that begins with `head` end with CR alone.
 fn ends_lines_with_cr(head: &[u8]) -> bool {
     !head.contains(&b'\n') && head.windows(2).any(|pair| pair.first() == Some(&b'\r'))
@@ -55,7 +76,7 @@ impl Text<File> {
     /// Opens the text file `path`.
     ///
     /// # Errors
-    /// If it cannot be read, or is in UTF-16 or UTF-32.
+    /// If it cannot be read, or is not text in UTF-8 or a code page.
     pub fn open(path: &Path) -> io::Result<Self> {
         Self::of(File::open(path)?)
     }
@@ -63,13 +84,29 @@ impl Text<File> {
     /// The text of an open file, from its beginning.
     ///
     /// # Errors
-    /// If it cannot be read, or is in UTF-16 or UTF-32.
+    /// If it cannot be read, or is not text in UTF-8 or a code page.
     pub fn of(file: File) -> io::Result<Self> {
         let mut text = Self::new(file)?;
-        if text.inner.rewind().is_ok() {
-            text.head.clear();
-        }
+        text.rewind();
         Ok(text)
+    }
+
+    /// As [`Self::of`], for a program.
+    ///
+    /// # Errors
+    /// Those of [`Self::of`], and with the place of the first control character if the file is binary.
+    pub fn of_program(file: File) -> io::Result<Self> {
+        let mut text = Self::new(file)?;
+        check_binary(&text.head)?;
+        text.rewind();
+        Ok(text)
+    }
+
+    /// Goes back to the beginning, if the file can.
+    fn rewind(&mut self) {
+        if self.inner.rewind().is_ok() {
+            self.head.clear();
+        }
     }
 }
 
@@ -89,7 +126,7 @@ impl<R: Read> Text<R> {
     /// The text of a stream.
     ///
     /// # Errors
-    /// If it cannot be read, or is in UTF-16 or UTF-32.
+    /// If it cannot be read, or is not text in UTF-8 or a code page.
     pub fn new(mut inner: R) -> io::Result<Self> {
         let mut head = vec![0; HEAD];
         let mut length = 0;
@@ -141,14 +178,14 @@ impl<R: Seek> Seek for Text<R> {
 /// Reader of the lines of the text file `path`.
 ///
 /// # Errors
-/// If it cannot be read, or is in UTF-16 or UTF-32.
+/// If it cannot be read, or is not text in UTF-8 or a code page.
 pub fn lines_of(path: &Path) -> io::Result<impl BufRead + Seek + use<>> {
     Ok(io::BufReader::with_capacity(HEAD, Text::open(path)?))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Text, foreign_encoding, lines_of};
+    use super::{Text, check_binary, foreign_encoding, lines_of};
     use std::io::{BufRead, ErrorKind, Read, Seek, SeekFrom, Write};
 
     /// `text` in UTF-16, as the Unicode standard (3.10, D96 to D98) has it.
@@ -179,6 +216,29 @@ mod tests {
         let error = Text::new(&utf_16("%\n", true, false)[..]).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::InvalidData);
         assert_eq!(error.to_string(), "this is text in UTF-16 (little-endian); save it as UTF-8");
+    }
+
+    /// The first bytes of files of other programs, and their first control character.
+    #[test]
+    fn binary_data() {
+        for (data, place) in [
+            (&b"MZ\x90\0\x03\0"[..], "byte 0x00 at line 1, column 4"),
+            (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "byte 0x00 at line 3, column 1"),
+            (b"PK\x03\x04\x14\0\x08", "byte 0x03 at line 1, column 3"),
+            (b"G0 X1\nG1\0X2\n", "byte 0x00 at line 2, column 3"),
+            (b"\x91\x02\xf3\xaa\x17\xee\x9c\x05\xd1", "byte 0x02 at line 1, column 2"),
+        ] {
+            let error = check_binary(data).unwrap_err();
+            assert_eq!(error.kind(), ErrorKind::InvalidData);
+            assert_eq!(error.to_string(), format!("this is not a text program: {place}"));
+        }
+        // Comments in a code page, the end of a file of MS-DOS, and characters of a tape reader.
+        for text in
+            [&b"(\xc4nderung f\xfcr Fr\xe4ser)\n"[..], b"%\nM30\n%\n\x1a", b"%\x12\nG0 X1 Y2 Z3\n"]
+        {
+            assert!(check_binary(text).is_ok(), "{text:?}");
+        }
+        assert!(check_binary(b"\x1b[31m (\x1b[0m)\n").is_ok());
     }
 
     #[test]

@@ -159,7 +159,7 @@ struct Call {
 
 impl Call {
     fn place(&self) -> Place {
-        Place { line: self.line, block: None }
+        Place::at(self.line)
     }
 
     /// An error at this block about its axis.

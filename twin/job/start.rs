@@ -18,7 +18,7 @@ pub(super) fn starts(
     said: &[Start],
     calls: &mut [Call],
 ) -> Result<Vec<f64>, Box<Finding>> {
-    let first = Place { line: 1, block: None };
+    let first = Place::at(1);
     let all = (0..machine.axes.len()).all(|axis| said.iter().any(|start| start.axis == axis));
     // Slaves get the positions that their masters give below.
     let axes = match machine.start_without_slaves() {
@@ -44,7 +44,7 @@ pub(super) fn starts(
     let own = AxisVector::from_values(values);
     let coupled = AxisCouplings::at_rest(machine, own).map_err(|error| no_axes(first, &error))?;
     for Start { line, axis, .. } in said {
-        let place = Place { line: *line, block: None };
+        let place = Place::at(*line);
         twin_machine::axis_couplings::begins_at(machine, *axis, &own, &coupled)
             .map_err(|error| no_axes(place, &error))?;
     }

@@ -380,7 +380,7 @@ fn finding(text: &str, problem: &Problem) -> Finding {
     let length = text.get(begin..).unwrap_or_default().lines().next().map_or(0, str::len);
     let column = span.start - begin.min(span.start);
     let end = (span.end.saturating_sub(begin)).min(length).max(column);
-    let place = Place { line, block: None };
+    let place = Place::at(line);
     let mut finding = Finding::error(Rule::Syntax, place, message.clone());
     finding.hint.clone_from(help);
     finding.elsewhere.clone_from(elsewhere);

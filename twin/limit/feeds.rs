@@ -99,7 +99,7 @@ impl Profile<'_> {
         let (place, rapid) = (element.place(), element.rapid());
         let piece = LineFeed { place, rapid, programmed: element.feed(), feed, binding };
         match &mut self.line {
-            Some(held) if held.place.line == place.line && held.rapid == rapid => {
+            Some(held) if held.place.key() == place.key() && held.rapid == rapid => {
                 held.include(&piece);
             }
             held => {

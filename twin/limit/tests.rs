@@ -43,7 +43,7 @@ fn rest(machine: &Machine) -> ProfileSample {
     let zero = vector(machine, &[]);
     ProfileSample {
         time_ns: 0,
-        place: Place { line: 10, block: Some(100) },
+        place: Place { block: Some(100), ..Place::at(10) },
         way: 0.0,
         feed: 0.1,
         path_velocity: 0.0,
@@ -84,7 +84,7 @@ fn trapezoid(machine: &Machine) -> Vec<ProfileSample> {
             let (line, block) = if way < LENGTH / 2.0 { (10, 100) } else { (11, 110) };
             ProfileSample {
                 time_ns: i64::from(ms) * 1_000_000,
-                place: Place { line, block: Some(block) },
+                place: Place { block: Some(block), ..Place::at(line) },
                 way,
                 path_velocity: velocity,
                 path_acceleration: acceleration,
@@ -181,7 +181,7 @@ fn the_worst_of_many_lines_are_found() {
     let (mut time_ns, mut way) = (0, 0.0);
     let lost = |line: u32| i64::from(line) * 7919 % 100_003;
     for line in 1..=100_002 {
-        let place = Place { line, block: None };
+        let place = Place::at(line);
         summing.include(&ProfileSample { time_ns, place, way, ..rest(&machine) });
         way += 1e-3;
         time_ns += 10_000_000 + lost(line) * 1000;
@@ -201,7 +201,7 @@ fn a_table_has_every_number_with_its_unit() {
         rest(&machine),
         ProfileSample {
             time_ns: 1_000_000,
-            place: Place { line: 12, block: None },
+            place: Place::at(12),
             way: 0.123_456_789_012,
             path_velocity: 0.05,
             path_acceleration: -0.5,
@@ -436,7 +436,7 @@ fn a_picture_of_hours_is_no_larger() {
         let wave = (f64::from(number) * 0.37).sin();
         picture.include(&ProfileSample {
             time_ns: i64::from(number) * 40_000_000,
-            place: Place { line: number, block: None },
+            place: Place::at(number),
             path_velocity: 0.05 + 0.05 * wave,
             velocity: vector(&machine, &[0.4 * wave, 0.2 * wave, 0.1]),
             acceleration: vector(&machine, &[wave, -wave, 0.0]),

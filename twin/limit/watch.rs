@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
 use twin_machine::axis_couplings::AxesError;
 use twin_machine::{Axis, Machine};
-use twin_path::Place;
+use twin_path::{LineKey, Place};
 
 /// Watcher of set-points. Every fault is reported once per line.
 #[derive(Debug)]
@@ -15,9 +15,9 @@ pub(super) struct Watch<'m> {
     /// The place, on the line at hand, that takes each axis farthest beyond its software limits; the line on which …
     beyond: Vec<Option<(Place, f64)>>,
     /// … each motor was last found too weak to hold its axis, …
-    overloaded: Vec<Option<u32>>,
+    overloaded: Vec<Option<LineKey>>,
     /// … and on which the tool was last found out of reach.
-    unreached: Option<u32>,
+    unreached: Option<LineKey>,
     found: VecDeque<Finding>,
 }
 
@@ -52,7 +52,7 @@ impl<'m> Watch<'m> {
             let [low, high] = axis.position_limits;
             let far = |position: f64| (position - position.clamp(low, high)).abs();
             if let Some((at, _)) = worst
-                && at.line != place.line
+                && at.key() != place.key()
                 && let Some((at, position)) = worst.take()
             {
                 self.found.extend(beyond_position(axis, at, position));
@@ -77,9 +77,9 @@ impl<'m> Watch<'m> {
         for (index, effort) in overloaded {
             let reported = self.overloaded.get_mut(index);
             if let (Some(axis), Some(reported)) = (self.axes.get(index), reported)
-                && *reported != Some(place.line)
+                && *reported != Some(place.key())
             {
-                *reported = Some(place.line);
+                *reported = Some(place.key());
                 self.found.push_back(overload(axis, place, effort));
             }
         }
@@ -87,7 +87,7 @@ impl<'m> Watch<'m> {
 
     /// The machine cannot go there.
     pub(super) fn refused(&mut self, place: Place, error: &AxesError) {
-        if self.unreached.replace(place.line) != Some(place.line) {
+        if self.unreached.replace(place.key()) != Some(place.key()) {
             self.found.push_back(no_axes(place, error));
         }
     }

@@ -72,6 +72,7 @@ pub use simulated::{
 };
 pub use simulation_error::SimulationError;
 pub use surroundings::Collision;
+pub use tool::SpindleBodies;
 pub use tool_table::{ToolTableFileError, load_tool_table, parse_tool_table};
 pub use twin_files::{limited_read, text};
 
@@ -302,11 +303,11 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
     axis_sections.into_iter().for_each(Section::finish);
     let axes: Option<Vec<_>> = entries.into_iter().collect::<Option<_>>().filter(|_| unique);
 
-    let mounted = Tool::read(root);
+    let conditions = conditions::read(root, path, !seen.is_empty());
+    let mounted = Tool::read(root, conditions.rs274.tools.is_some());
     let payload = payload::read(root, &mounted);
     let frame = frame::read(root);
 
-    let conditions = conditions::read(root, path, !seen.is_empty());
     let path_limits = limits::read_path(root, &conditions.preparation);
     let controller = root.section("controller");
     let plan = controller.choice("plan", &[("axes", false), ("programmed", true)]);

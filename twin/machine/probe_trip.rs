@@ -26,9 +26,9 @@ const MOST_STEPS: f64 = 1e6;
 
 /// Distance of a machine from the surfaces that its probe can touch.
 pub trait Clearance: fmt::Debug {
-    /// Distance (m; 0 or less: touching) with the point at `at`, in the frame of the path. `point_from_tip` (m) is
-    /// from the tool tip in force (G43) to that point. None at unreachable positions.
-    fn at(&mut self, at: &Position, point_from_tip: &[f64; 3]) -> Option<f64>;
+    /// Distance (m; 0 or less: touching) with the point at `at`, in the frame of the path, on the way along `path`.
+    /// None at unreachable positions.
+    fn at(&mut self, at: &Position, path: &ProbePath) -> Option<f64>;
 }
 
 /// Trip position of a probing move, from the distances along it.
@@ -49,12 +49,11 @@ impl<C: Clearance> TripSearch<C> {
 
 impl<C: Clearance> ProbeTarget for TripSearch<C> {
     fn trip(&mut self, path: &ProbePath) -> Option<f64> {
-        let tip = &path.point_from_tip;
         let tripped = |distance: f64| match path.trips {
             ProbeTrip::Touch => distance <= TOUCH,
             ProbeTrip::Release => distance > RELEASE,
         };
-        let mut distance = self.clearance.at(&between(path, 0.0), tip)?;
+        let mut distance = self.clearance.at(&between(path, 0.0), path)?;
         if tripped(distance) {
             return Some(0.0);
         }
@@ -71,7 +70,7 @@ impl<C: Clearance> ProbeTarget for TripSearch<C> {
                 ProbeTrip::Release => shortest,
             };
             let mut behind = (before + step / length).min(1.0);
-            distance = self.clearance.at(&between(path, behind), tip)?;
+            distance = self.clearance.at(&between(path, behind), path)?;
             if !tripped(distance) {
                 before = behind;
                 continue;
@@ -81,7 +80,7 @@ impl<C: Clearance> ProbeTarget for TripSearch<C> {
                 if middle <= before || middle >= behind {
                     break;
                 }
-                if tripped(self.clearance.at(&between(path, middle), tip)?) {
+                if tripped(self.clearance.at(&between(path, middle), path)?) {
                     behind = middle;
                 } else {
                     before = middle;

@@ -15,6 +15,11 @@ pub struct SimulationError {
 impl SimulationError {
     /// `error` with the names of `machine`. Parts without a name keep their number.
     pub fn of(machine: &Machine, error: PhysicsError) -> Self {
+        Self::with_tool(machine, error, None)
+    }
+
+    /// The same with this tool of a tool table in the spindle, by its number.
+    pub fn with_tool(machine: &Machine, error: PhysicsError, tool: Option<u32>) -> Self {
         let message = error.message(|subject| {
             match subject {
                 Subject::Axis(index) => {
@@ -26,7 +31,7 @@ impl SimulationError {
                 Subject::Link(index) => {
                     machine.model.links.get(index).map(|link| format!("link {}", link.name))
                 }
-                Subject::Part(part) => Some(machine.part_name(part)),
+                Subject::Part(part) => Some(machine.part_name_with(part, tool)),
             }
             .unwrap_or_else(|| subject.to_string())
         });

@@ -205,33 +205,31 @@ impl Machine {
     /// # Errors
     /// [`PhysicsError`].
     pub fn clearance_scan(&self) -> Result<Option<ClearanceScan>, PhysicsError> {
-        let Some(collision) = &self.collision else { return Ok(None) };
-        let scan = ClearanceScan::new(&self.model, self.axes.len(), &collision.surroundings)?;
-        Ok(Some(scan).filter(|scan| !scan.is_empty()))
+        self.clearance_scan_with(None)
     }
 
     /// The same with `tool` of a tool table in the spindle, which the generated table of a machine does not stop.
     ///
     /// # Errors
     /// [`PhysicsError`].
-    pub fn clearance_scan_with(&self, tool: &Tool) -> Result<Option<ClearanceScan>, PhysicsError> {
-        let Some(collision) = &self.collision else { return Ok(None) };
-        let Some((model, surroundings)) = self.with_tool(tool, &collision.surroundings) else {
-            return self.clearance_scan();
-        };
-        let scan = ClearanceScan::new(&model, self.axes.len(), &surroundings)?;
-        Ok(Some(scan).filter(|scan| !scan.is_empty()))
+    pub fn clearance_scan_with(
+        &self,
+        tool: Option<&Tool>,
+    ) -> Result<Option<ClearanceScan>, PhysicsError> {
+        let Some(bodies) = self.spindle_bodies() else { return Ok(None) };
+        Ok(Some(bodies.scan(tool)?).filter(|scan| !scan.is_empty()))
     }
 
     /// The same, and the tool and the stock, for motion that must not cut.
     ///
     /// # Errors
     /// [`PhysicsError`].
-    pub fn scan_without_cuts(&self) -> Result<Option<ClearanceScan>, PhysicsError> {
-        let Some(collision) = &self.collision else { return Ok(None) };
-        let (axes, surroundings) = (self.axes.len(), &collision.surroundings);
-        let scan = ClearanceScan::without_cuts(&self.model, axes, surroundings)?;
-        Ok(Some(scan).filter(|scan| !scan.is_empty()))
+    pub fn scan_without_cuts(
+        &self,
+        tool: Option<&Tool>,
+    ) -> Result<Option<ClearanceScan>, PhysicsError> {
+        let Some(bodies) = self.spindle_bodies() else { return Ok(None) };
+        Ok(Some(bodies.scan_without_cuts(tool)?).filter(|scan| !scan.is_empty()))
     }
 
     /// Meshes of these parts that are not closed, with the number of open edges.
@@ -266,6 +264,14 @@ impl Machine {
         collision.overlapping = among.collect();
         collision.surroundings.left_out.extend(&collision.overlapping);
         Ok(())
+    }
+
+    /// Name of `part` with this tool of a tool table in the spindle, by its number.
+    pub fn part_name_with(&self, part: Part, tool: Option<u32>) -> String {
+        match (part, tool) {
+            (Part::Tool, Some(number)) => format!("tool {number}"),
+            (part, _) => self.part_name(part),
+        }
     }
 
     /// Name of `part`.

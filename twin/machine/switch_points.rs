@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn every_change_is_kept_in_order() {
         let mut points = SwitchPoints::default();
-        let place = |line| Place { line, block: None };
+        let place = |line| Place::at(line);
         for (time_ns, switches) in [(0, 0), (1, 0b10), (2, 0b10), (3, 1 << 31), (4, 1 << 31)] {
             points.observe(switches, (time_ns, place(1)));
         }

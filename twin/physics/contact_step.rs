@@ -21,6 +21,7 @@ use crate::joint::{JointMatrix, JointVector};
 use crate::machine::PhysicsMachine;
 use crate::state::{JointState, MachineState};
 use crate::surroundings::{Part, Surroundings, YieldingTool};
+use twin_urdf::Model;
 
 /// Axis displacement for the central differences of the gaps, m or rad: they are right to 1e-10.
 const NUDGE: f64 = 1e-6;
@@ -38,12 +39,24 @@ impl PhysicsMachine {
     /// [`PhysicsError::FlatMesh`], [`PhysicsError::Overlap`], and [`PhysicsError::Input`] unless the stiffness is above
     /// 0.
     pub fn insert_surroundings(&mut self, surroundings: &Surroundings) -> Result<()> {
+        let model = self.world.model().clone();
+        self.insert_bodies(&model, surroundings)
+    }
+
+    /// The same with the bodies of `model`: those of the machine with another tool on the same links and joints. Masses stay. Parts may
+    /// touch; their contacts begin anew.
+    ///
+    /// # Errors
+    /// Those of [`Self::insert_surroundings`]; nothing is changed then.
+    pub fn insert_bodies(&mut self, model: &Model, surroundings: &Surroundings) -> Result<()> {
         let stiffness = surroundings.stiffness;
         if !(stiffness.is_finite() && stiffness > 0.0) {
             return Err(PhysicsError::Input(self.state.time_ns));
         }
+        self.world.insert(model, surroundings, self.cycle)?;
         self.contact.stiffness = stiffness;
-        self.world.insert(surroundings, self.cycle)
+        self.contact.touching.clear();
+        Ok(())
     }
 
     /// Sets the parts without contact force against the tool.

@@ -105,6 +105,41 @@ impl LooseBodies {
         Ok(Self { bodies, grippers: grippers.collect(), lowest })
     }
 
+    /// Takes over what `old` and its world know of the same bodies and grippers; links are at `places` in rapier.
+    pub(super) fn go_on(
+        &mut self,
+        world: &mut PhysicsWorld,
+        (old, old_world): (&Self, &PhysicsWorld),
+        places: &[Place],
+    ) {
+        for (body, old) in self.bodies.iter_mut().zip(&old.bodies) {
+            if let (Some(to), Some(from)) =
+                (world.bodies.get_mut(body.handle), old_world.bodies.get(old.handle))
+            {
+                to.set_position(*from.position(), true);
+                to.set_linvel(from.linvel(), true);
+                to.set_angvel(from.angvel(), true);
+                to.set_enabled(from.is_enabled());
+            }
+            if let (Some((joint, _)), None) = (body.clamp, old.clamp) {
+                world.remove_impulse_joint(joint);
+            }
+            let clamp = body.clamp.filter(|_| old.clamp.is_some());
+            *body = Loose { handle: body.handle, clamp, ..old.clone() };
+        }
+        for (gripper, old) in self.grippers.iter_mut().zip(&old.grippers) {
+            let Some((joint, index)) = old.holding else { continue };
+            let joint = old_world.impulse_joints.get(joint).map(|joint| joint.data);
+            let (Some(joint), Some(place), Some(body)) =
+                (joint, places.get(gripper.parameters.link), self.bodies.get(index))
+            else {
+                continue;
+            };
+            let joint = world.insert_impulse_joint(place.body, body.handle, joint);
+            gripper.holding = Some((joint, index));
+        }
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.bodies.is_empty()
     }

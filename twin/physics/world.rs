@@ -149,13 +149,19 @@ impl RapierWorld {
         Ok(result)
     }
 
-    /// Gives links and surroundings their solids, in the place of those they had; in steps of `cycle` s.
+    /// Gives links and surroundings their solids, in the place of those they had, in steps of `cycle` s; the links have
+    /// those of `model`, which moves as before. Loose bodies stay where they are.
     /// Errors: [`PhysicsError::FlatMesh`] and [`PhysicsError::Overlap`]; nothing is changed then.
-    pub(super) fn insert(&mut self, surroundings: &Surroundings, cycle: f64) -> Result<()> {
-        let has_tool = solids::tool(&self.model, surroundings).is_some();
-        let pairs = Pairs::new(&self.model, surroundings, has_tool);
+    pub(super) fn insert(
+        &mut self,
+        model: &Model,
+        surroundings: &Surroundings,
+        cycle: f64,
+    ) -> Result<()> {
+        let has_tool = solids::tool(model, surroundings).is_some();
+        let pairs = Pairs::new(model, surroundings, has_tool);
         let may_touch = |[one, other]: [usize; 2]| pairs.may_touch(one, other);
-        let distances = Distances::new(&self.model, surroundings, &pairs, may_touch)?;
+        let distances = Distances::new(model, surroundings, &pairs, may_touch)?;
         let mut around = Around { pairs, distances, near: Vec::new(), active: Vec::new() };
         let deepest = around.distances.nearest(&self.poses);
         if let Some(deepest) = deepest.filter(|deepest| deepest.distance < -TOUCHING) {
@@ -167,10 +173,15 @@ impl RapierWorld {
         let is_stepped = self.solves_contacts() || !surroundings.bodies.is_empty();
         let stepped = is_stepped.then(|| {
             let sets = Sets::new(&self.gravity, cycle);
-            Stepped::new(sets, &self.driven, (&around, surroundings), (&self.model, &self.poses))
+            Stepped::new(sets, &self.driven, (&around, surroundings), (model, &self.poses))
         });
-        self.stepped = stepped.transpose()?.map(Box::new);
+        let mut stepped = stepped.transpose()?.map(Box::new);
+        if let (Some(new), Some(old)) = (&mut stepped, &self.stepped) {
+            new.loose.go_on(&mut new.sets.0, (&old.loose, &old.sets.0), &new.places);
+        }
+        self.stepped = stepped;
         self.around = Some(around);
+        self.model = model.clone();
         Ok(())
     }
 
@@ -205,6 +216,11 @@ impl RapierWorld {
         let [from, to] =
             [self.driven.joints(from, &self.poses), self.driven.joints(to, &self.moved)];
         Ok((to - from) / cycle)
+    }
+
+    /// Links and joints.
+    pub(super) fn model(&self) -> &Model {
+        &self.model
     }
 
     /// The part of this number.

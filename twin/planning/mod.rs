@@ -15,6 +15,7 @@ use crate::program::inputs::Steps;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::Transformer;
 use crate::setpoint_source::PlanItem;
+use crate::spindle::ToolLeft;
 use axis_limited::WithinAxes;
 use background_planner::BackgroundPlanner;
 use source::SetpointSource;
@@ -166,6 +167,11 @@ impl<'m> Planning<'m> {
     /// Diagnostics of the text that were left out because there are too many.
     pub(crate) fn left_out(&self) -> u64 {
         self.source.left_out()
+    }
+
+    /// The tool that an RS274 program leaves in the spindle, after all of it has been read.
+    pub(crate) fn tool_left(&self) -> Option<ToolLeft> {
+        self.source.tool_left()
     }
 
     /// The job, if it is one.

@@ -6,6 +6,7 @@ use crate::m_function::MCall;
 use crate::program::inputs::Steps;
 use crate::program::{Findings, Setpoints};
 use crate::setpoint_source::{MOST_OVERRIDE, PlanItem};
+use crate::spindle::ToolLeft;
 use std::fmt::Debug;
 use std::task::Poll;
 use twin_planner::planned_motion::PlannedPiece;
@@ -58,6 +59,11 @@ pub(super) trait SetpointSource<'m>: Debug {
     /// Diagnostics that were left out because there are too many.
     fn left_out(&self) -> u64 {
         0
+    }
+
+    /// The tool that an RS274 program leaves in the spindle, after all of it has been read.
+    fn tool_left(&self) -> Option<ToolLeft> {
+        None
     }
 
     /// The M function at which the path waits.
@@ -138,6 +144,10 @@ impl SetpointSource<'_> for Setpoints {
         Setpoints::left_out(self)
     }
 
+    fn tool_left(&self) -> Option<ToolLeft> {
+        Setpoints::tool_left(self)
+    }
+
     fn m_call(&self) -> Option<MCall> {
         Setpoints::m_call(self)
     }
@@ -195,6 +205,10 @@ impl<'m> SetpointSource<'m> for WithinAxes<'m> {
 
     fn left_out(&self) -> u64 {
         self.file().map_or(0, Findings::left_out)
+    }
+
+    fn tool_left(&self) -> Option<ToolLeft> {
+        self.file().and_then(Findings::tool_left)
     }
 
     fn m_call(&self) -> Option<MCall> {

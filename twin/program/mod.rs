@@ -15,6 +15,7 @@ pub use stream::{ElementItem, Elements, Facts, FileFacts, ProgramItem, Setpoints
 pub(crate) use stream::{Findings, Prepared};
 
 use crate::m_function::Acknowledgement;
+use crate::spindle::{Spindle, ToolLeft};
 use settings::ReadSettings;
 use source::{Counted, Decoded, Decoder, Ledger};
 use std::cell::RefCell;
@@ -42,6 +43,8 @@ pub struct ProgramFile {
     dialect: Dialect,
     settings: ReadSettings,
     stamp: Option<Stamp>,
+    /// The tool that the program before has left in the spindle.
+    tool: Option<ToolLeft>,
     /// A path that was made of the file before.
     made: Option<Arc<Vec<PathElement>>>,
 }
@@ -91,13 +94,20 @@ impl ProgramFile {
             None => return Err(DialectError::Unknown(path.to_owned())),
         };
         let stamp = std::fs::metadata(path).ok().as_ref().and_then(Stamp::of);
-        Ok(Self { path: path.to_owned(), dialect, settings, stamp, made: None })
+        Ok(Self { path: path.to_owned(), dialect, settings, stamp, tool: None, made: None })
     }
 
     /// A path that was made of the drawing at `path`.
     pub fn of_drawing(path: &Path, elements: Vec<PathElement>, settings: ReadSettings) -> Self {
         let made = Some(Arc::new(elements));
-        Self { path: path.to_owned(), dialect: Dialect::Dxf, settings, stamp: None, made }
+        let (dialect, stamp, tool) = (Dialect::Dxf, None, None);
+        Self { path: path.to_owned(), dialect, settings, stamp, tool, made }
+    }
+
+    /// The program behind one that has left this tool in the spindle.
+    #[must_use]
+    pub fn with_tool(self, tool: Option<ToolLeft>) -> Self {
+        Self { tool, ..self }
     }
 
     /// Its path.
@@ -309,13 +319,22 @@ impl ProgramFile {
         }
         Stamp::verify(self.stamp, &file)?;
         let text = match self.dialect {
-            Dialect::Din66025 | Dialect::Rs274 => Text::of(file)?,
+            Dialect::Din66025 | Dialect::Rs274 => Text::of_program(file)?,
             Dialect::Job | Dialect::Dxf => Text::binary(file),
         };
         let file = Counted { text, stamp: self.stamp, ledger: Rc::clone(&ledger) };
         let reader = BufReader::with_capacity(1 << 16, file);
         let decoded = decoded(self.decoder(reader, conditions, empty));
         Ok((decoded, ledger))
+    }
+
+    /// The spindle of `machine` at the beginning of the program; only programs of RS274 have tools of a table.
+    pub fn spindle(&self, machine: &Machine) -> Spindle {
+        if self.dialect != Dialect::Rs274 {
+            return Spindle::default();
+        }
+        let options = self.rs274_options(&machine.conditions);
+        Spindle::new(options.tools.unwrap_or_default(), options.tool)
     }
 
     /// Decoder options for DIN 66025.
@@ -348,6 +367,9 @@ impl ProgramFile {
         };
         options.tools = tools.or(options.tools);
         options.control = control.or(options.control);
+        if let Some(ToolLeft { number, offset }) = self.tool {
+            (options.tool, options.tool_offset) = (number, offset);
+        }
         options
     }
 

@@ -3,6 +3,7 @@
 use super::Stamp;
 use super::stream::FileFacts;
 use crate::finding::{Finding, Rule, Severity};
+use crate::spindle::ToolLeft;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::fs::File;
@@ -29,6 +30,8 @@ pub(super) struct Ledger {
     warnings: usize,
     pub(super) left_out: u64,
     pub(super) facts: FileFacts,
+    /// The tool that an RS274 program leaves in the spindle, after all of it has been read.
+    pub(super) tool: Option<ToolLeft>,
 }
 
 /// More diagnostics of one severity than this are counted, not kept, so that a file that is wrong on every line takes
@@ -109,9 +112,7 @@ impl From<OperationError> for Halt {
     fn from(error: OperationError) -> Self {
         let place = match error {
             OperationError::UprightArc(place) | OperationError::SplitProbe(place) => place,
-            OperationError::Factor(_) | OperationError::SplitPlace(_) => {
-                Place { line: 1, block: None }
-            }
+            OperationError::Factor(_) | OperationError::SplitPlace(_) => Place::at(1),
         };
         Self::stage(place, &error)
     }
@@ -193,6 +194,15 @@ impl Decoder {
                 lines: decoder.lines(),
             },
             Self::Made { .. } => FileFacts::default(),
+        }
+    }
+
+    fn tool_left(&self) -> Option<ToolLeft> {
+        match self {
+            Self::Rs274(decoder) => {
+                Some(ToolLeft { number: decoder.tool(), offset: *decoder.tool_offset() })
+            }
+            Self::Din66025(_) | Self::Made { .. } => None,
         }
     }
 
@@ -287,7 +297,8 @@ impl Iterator for Decoded {
     fn next(&mut self) -> Option<Self::Item> {
         loop {
             let Some(piece) = self.decoder.read() else {
-                self.ledger.borrow_mut().facts = self.decoder.facts();
+                let mut ledger = self.ledger.borrow_mut();
+                (ledger.facts, ledger.tool) = (self.decoder.facts(), self.decoder.tool_left());
                 return None;
             };
             let mut element = match piece {

@@ -7,6 +7,7 @@ use super::source::{Halt, Ledger, noticed};
 use super::workpiece::ByPosition;
 use crate::finding::Finding;
 use crate::m_function::{Acknowledgement, MCall, Waiting};
+use crate::spindle::ToolLeft;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::io;
@@ -112,6 +113,11 @@ impl Findings {
     /// Diagnostics of the text that were left out because there are too many.
     pub(crate) fn left_out(&self) -> u64 {
         self.ledger.borrow().left_out
+    }
+
+    /// The tool that an RS274 program leaves in the spindle, after all of it has been read.
+    pub(crate) fn tool_left(&self) -> Option<ToolLeft> {
+        self.ledger.borrow().tool
     }
 
     /// Bytes of the file read so far.
@@ -313,6 +319,11 @@ impl Setpoints {
     /// Diagnostics of the text that were left out because there are too many.
     pub fn left_out(&self) -> u64 {
         self.ledger.borrow().left_out
+    }
+
+    /// The tool that an RS274 program leaves in the spindle, after all of it has been read.
+    pub(crate) fn tool_left(&self) -> Option<ToolLeft> {
+        self.ledger.borrow().tool
     }
 
     /// Bytes of the file read so far.

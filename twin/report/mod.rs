@@ -125,7 +125,7 @@ impl ClearanceReport {
         let BlockClearance { place, time_ns, nearest, .. } = least;
         Self {
             least_mm: rounded(nearest.distance * 1e3),
-            between: nearest.parts.map(|part| machine.part_name(part)),
+            between: least.names(machine),
             line: place.line,
             block: place.block,
             time_s: rounded(seconds(*time_ns)),

@@ -94,7 +94,7 @@ mod tests {
             let time_ns = i64::from(cycle) * machine.cycle_ns;
             let tool = ToolSetpoint {
                 time_ns,
-                place: Place { line: cycle, block: None },
+                place: Place::at(cycle),
                 rapid: false,
                 feed: 0.1,
                 position: Point3::new(1e-3 * f64::from(cycle), 0.0, 0.0),

@@ -6,14 +6,18 @@ pub(crate) mod tests;
 use crate::in_loop::DrivesInLoop;
 use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch};
 use crate::setpoint::{AxisSetpoint, HORIZON_NS};
+use crate::spindle::Spindle;
 use crate::touch_probe::TouchProbe;
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 use twin_kinematics::{AxisMotion, AxisVector};
-use twin_machine::{Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError};
+use twin_machine::{
+    FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError, SpindleBodies,
+};
 use twin_path::Place;
 use twin_physics::{
-    ClearanceScan, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent,
-    PhysicsMachine, Side, SwitchStates, YieldingTool,
+    Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent, PhysicsMachine, Side,
+    SwitchStates, YieldingTool,
 };
 
 /// Most happenings that are kept; the first thousand of a long program are enough.
@@ -42,6 +46,9 @@ pub struct Simulated {
     faults: Vec<FaultAt>,
     /// Jammed axes with the end of the jam, ns.
     jammed: Vec<(usize, i64)>,
+    spindle: Spindle,
+    /// With a collision check.
+    bodies: Option<Arc<SpindleBodies>>,
     probe: Option<TouchProbe>,
 }
 
@@ -63,16 +70,37 @@ impl Simulated {
     /// # Errors
     /// If the machine file describes no machine that physics can simulate.
     pub fn new(machine: &Machine, start: &AxisVector) -> Result<Self, SimulationError> {
-        Self::built(machine, start).map_err(|error| SimulationError::of(machine, error))
+        Self::with_spindle(machine, start, Spindle::default())
     }
 
-    fn built(machine: &Machine, start: &AxisVector) -> Result<Self, PhysicsError> {
-        let physics = machine.physics(start)?;
-        let mut probe = None;
-        if let Some(Collision { surroundings, .. }) = &machine.collision {
-            let scan = ClearanceScan::of_tool(&machine.model, machine.axes.len(), surroundings)?;
-            probe = Some(TouchProbe::new(scan, DrivesInLoop::resolution(machine)));
-        }
+    /// The same with the tool of `spindle`, which changes at M6 and M61.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn with_spindle(
+        machine: &Machine,
+        start: &AxisVector,
+        spindle: Spindle,
+    ) -> Result<Self, SimulationError> {
+        let tool = spindle.number();
+        let built = Self::built(machine, start, spindle);
+        built.map_err(|error| SimulationError::with_tool(machine, error, tool))
+    }
+
+    fn built(
+        machine: &Machine,
+        start: &AxisVector,
+        spindle: Spindle,
+    ) -> Result<Self, PhysicsError> {
+        let physics = machine.physics_with(start, spindle.tool())?;
+        let bodies = machine.spindle_bodies().map(Arc::new);
+        let probe = match &bodies {
+            Some(bodies) => {
+                let scan = bodies.probe_scan(spindle.tool())?;
+                Some(TouchProbe::new(scan, DrivesInLoop::resolution(machine)))
+            }
+            None => None,
+        };
         Ok(Self {
             physics,
             drives: DrivesInLoop::of(machine),
@@ -82,6 +110,8 @@ impl Simulated {
             happened: Happened::default(),
             faults: Vec::new(),
             jammed: Vec::new(),
+            spindle,
+            bodies,
             probe,
         })
     }
@@ -112,6 +142,19 @@ impl Simulated {
         Ok(())
     }
 
+    /// Changes the tool where the path waits at M6 or M61.
+    fn change_tool(&mut self, setpoint: &AxisSetpoint) -> Result<(), PhysicsError> {
+        if !setpoint.m_call.is_some_and(|call| self.spindle.observe(&call)) {
+            return Ok(());
+        }
+        let (Some(bodies), Some(probe)) = (&self.bodies, &mut self.probe) else { return Ok(()) };
+        let tool = self.spindle.tool();
+        let (model, surroundings) = bodies.with(tool);
+        self.physics.insert_bodies(&model, &surroundings)?;
+        probe.change_tool(bodies.probe_scan(tool)?);
+        Ok(())
+    }
+
     /// The probe at the positions of the axes.
     fn feel(&mut self, setpoint: &AxisSetpoint, position: &AxisVector) -> Result<(), PhysicsError> {
         let Some(probe) = &mut self.probe else { return Ok(()) };
@@ -124,11 +167,11 @@ impl Simulated {
 
     /// Lets the machine stop after collisions at `place`, records them, and returns the first one as an error.
     fn run_into(&mut self, place: Place) -> Result<(), PhysicsError> {
-        let cycle = self.physics.cycle();
+        let (cycle, tool) = (self.physics.cycle(), self.spindle.number());
         let collisions = self.physics.take_collisions().into_iter();
         let blows = collisions.map(|one| {
             let Contact { parts, force, .. } = one.contact;
-            Blow { place, parts, speed: one.speed, impulse: force * cycle, peak: 0.0 }
+            Blow { place, parts, tool, speed: one.speed, impulse: force * cycle, peak: 0.0 }
         });
         let mut blows: Vec<_> = blows.collect();
         let Some(first) = blows.first().map(|blow| blow.parts) else { return Ok(()) };
@@ -246,6 +289,7 @@ impl Plant for Simulated {
         ahead: &VecDeque<AxisSetpoint>,
     ) -> Result<(), PhysicsError> {
         self.fail(setpoint);
+        self.change_tool(setpoint)?;
         let asked = match &mut self.drives {
             Some(drives) => drives.motion(setpoint, ahead),
             None => setpoint.axes,
@@ -282,6 +326,10 @@ impl Plant for Simulated {
 
     fn motors(&self) -> &[MotorState] {
         &self.motors
+    }
+
+    fn tool(&self) -> Option<u32> {
+        self.spindle.number()
     }
 
     fn news(&mut self) -> Vec<Happening> {

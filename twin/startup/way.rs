@@ -3,6 +3,7 @@
 use super::{Check, Verdict, home_by_hand};
 use crate::approach::{Approach, ApproachError};
 use crate::repair_commands;
+use twin_gcode::rs274::Tool;
 use twin_kinematics::AxisVector;
 use twin_machine::Machine;
 use twin_number::fixed;
@@ -11,17 +12,18 @@ use twin_number::fixed;
 const BY_HAND: f64 = 0.05;
 
 /// The way of the drives from `from` to the `start` of the program (m or rad), at no more than `factor` times the largest
-/// velocity of each axis.
+/// velocity of each axis, with `tool` of a tool table in the spindle.
 ///
 /// # Errors
 /// A failed check, with what can be done: commands for `real` drives, keys of the machine file.
 pub fn plan_way(
     machine: &Machine,
+    tool: Option<&Tool>,
     [from, start]: [&AxisVector; 2],
     factor: f64,
     real: bool,
 ) -> Result<Approach, Check> {
-    Approach::plan(machine, from, start, factor).map_err(|error| {
+    Approach::plan(machine, tool, [from, start], factor).map_err(|error| {
         let inside = matches!(error, ApproachError::Inside { .. });
         let mut help = Vec::new();
         if real {
@@ -55,19 +57,23 @@ pub fn describe_way(machine: &Machine, way: &Approach) -> Check {
 }
 
 fn clearance(machine: &Machine, way: &Approach) -> String {
-    let Some(nearest) = way.nearest() else {
+    let Some(([part, other], distance)) = way.nearest_names(machine) else {
         let file = machine.path.display();
         return format!("not checked for collisions, as {file} has no [[obstacles]]");
     };
-    let [part, other] = nearest.parts.map(|part| machine.part_name(part));
-    let distance = fixed(nearest.distance.max(0.0) * 1e3, 1);
+    let distance = fixed(distance.max(0.0) * 1e3, 1);
     format!("least clearance {distance} mm, between {part} and {other}")
 }
 
 /// The way of the axes `to_home` to their zeros, one after the other, from where they are counted to be (m or rad); `axes` is
 /// then where they will be. It can only be checked where the counters say something: a device whose axes all count 0 has
-/// perhaps just been switched on.
-pub fn homing_way(machine: &Machine, axes: &mut AxisVector, to_home: &[usize]) -> Check {
+/// perhaps just been switched on. `tool` of a tool table is in the spindle.
+pub fn homing_way(
+    machine: &Machine,
+    tool: Option<&Tool>,
+    axes: &mut AxisVector,
+    to_home: &[usize],
+) -> Check {
     let names = to_home.iter().filter_map(|index| machine.axes.get(*index));
     let names: Vec<_> = names.map(|axis| axis.name.as_str()).collect();
     let names = names.join(", ");
@@ -83,7 +89,7 @@ pub fn homing_way(machine: &Machine, axes: &mut AxisVector, to_home: &[usize]) -
         );
         return Check { verdict: Verdict::Note, message, help: Vec::new() };
     }
-    match Approach::homing(machine, &from, to_home) {
+    match Approach::homing(machine, tool, &from, to_home) {
         Ok(way) => {
             let clearance = clearance(machine, &way);
             let message = format!("homing {names}, if the axes are where they count: {clearance}");

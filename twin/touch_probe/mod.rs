@@ -55,6 +55,11 @@ impl TouchProbe {
         Self { scan, reach: TOUCH + resolution, touching: None, search: None }
     }
 
+    /// Another tool, which `scan` measures, touches nothing yet.
+    pub(crate) fn change_tool(&mut self, scan: ClearanceScan) {
+        (self.scan, self.touching) = (scan, None);
+    }
+
     /// Probe state at the present axis positions. After its move the probe yields only to the part that it touched, and
     /// is stiff when it has come free of that, or has gone too far into it. Drives that follow `late` come to the end
     /// of the move while the plan waits there.

@@ -44,7 +44,7 @@ struct Plane {
 }
 
 impl Clearance for Plane {
-    fn at(&mut self, at: &Position, _: &[f64; 3]) -> Option<f64> {
+    fn at(&mut self, at: &Position, _: &ProbePath) -> Option<f64> {
         let [x, y, z] =
             std::array::from_fn(|axis| (at.linear[axis] - self.point[axis]) * self.normal[axis]);
         Some(x + y + z)
@@ -58,7 +58,7 @@ fn floor(z_mm: f64) -> Plane {
 fn above(plane: Plane) -> Machine {
     let mut machine = load(GANTRY3);
     machine.conditions.rs274.surroundings =
-        Some(Surroundings::new(move || TripSearch::new(plane.clone())));
+        Some(Surroundings::new(move |_| TripSearch::new(plane.clone())));
     machine
 }
 
@@ -138,10 +138,11 @@ fn unknown_surroundings_are_a_warning() {
 fn path(from: [f64; 3], to: [f64; 3], trips: ProbeTrip) -> ProbePath {
     let at = |linear| Position { linear, ..Position::default() };
     ProbePath {
-        place: Place { line: 1, block: None },
+        place: Place::at(1),
         start: at(from),
         end: at(to),
         point_from_tip: [0.0; 3],
+        tool: 0,
         feed: 0.01,
         trips,
     }
@@ -178,7 +179,7 @@ fn lines_meet_planes() {
 struct Nowhere;
 
 impl Clearance for Nowhere {
-    fn at(&mut self, _: &Position, _: &[f64; 3]) -> Option<f64> {
+    fn at(&mut self, _: &Position, _: &ProbePath) -> Option<f64> {
         None
     }
 }
@@ -205,7 +206,7 @@ fn rotary_axes_alone() {
     #[derive(Debug)]
     struct Lift;
     impl Clearance for Lift {
-        fn at(&mut self, at: &Position, _: &[f64; 3]) -> Option<f64> {
+        fn at(&mut self, at: &Position, _: &ProbePath) -> Option<f64> {
             Some((at.rotary[0] - 30.0) * 1e-3)
         }
     }

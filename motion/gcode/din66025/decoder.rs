@@ -168,7 +168,7 @@ impl<R: BufRead> Decoder<R> {
         };
         self.next.offset = self.next.offset.saturating_add(length);
         self.next.lines = self.next.lines.saturating_add(1);
-        self.out.place = Place { line: self.next.lines, block: None };
+        self.out.place = Place::at(self.next.lines);
         if self.line.len() > MAX_LINE_BYTES {
             self.line.clear();
             self.begun = true;

@@ -320,7 +320,7 @@ impl TextError for DecodeError {
     }
 }
 
-/// An error of the block at hand and the bytes of its line to point at.
+/// An error of the current block and the bytes of its line to point at.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Problem {
     pub(super) columns: Range<usize>,

@@ -14,6 +14,7 @@ const REMEMBERED_DIAGNOSTICS: usize = 4096;
 #[derive(Debug, Default)]
 pub(super) struct Output {
     pub(super) items: VecDeque<Result<Item, Failure>>,
+    /// The current block.
     pub(super) place: Place,
     /// Line, column and kind of every diagnostic so far.
     reported: HashSet<(u32, usize, Discriminant<DecodeError>)>,
@@ -22,11 +23,6 @@ pub(super) struct Output {
 }
 
 impl Output {
-    /// The block at hand.
-    pub(super) fn place(&self) -> Place {
-        self.place
-    }
-
     #[inline]
     pub(super) fn element(&mut self, element: PathElement) {
         self.items.push_back(Ok(Item::Element(element)));

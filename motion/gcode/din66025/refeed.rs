@@ -74,7 +74,7 @@ fn feed_line(decoder: &mut Follower, line: &[u8]) -> io::Result<Step> {
 
 /// Feeds of the line that `decoder` executed last. Takes its elements.
 fn step<R>(decoder: &mut Decoder<R>) -> Step {
-    let place = decoder.out.place();
+    let place = decoder.out.place;
     let mut moves = decoder
         .state
         .held()

@@ -162,7 +162,7 @@ impl State {
                     && self.move_to(block, false, words, out)
                     && self.path_end.is_some()
                 {
-                    self.jump = Some(out.place());
+                    self.jump = Some(out.place);
                 }
             }
             Command::Jump => jump = self.jump_target(block, words, out),
@@ -217,7 +217,7 @@ impl State {
             }
         };
         let kind = if motion == Motion::Rapid { ElementKind::Rapid } else { ElementKind::Cut };
-        let mut element = self.element(out.place(), kind, shape, extra);
+        let mut element = self.element(out.place, kind, shape, extra);
         if self.feed.is_none() && (self.feed_reported || element.length() > 0.0) {
             if !self.feed_reported {
                 out.error(columns_of(words, &[Letter::G]), DecodeError::MissingFeed);
@@ -228,7 +228,7 @@ impl State {
         let at = (start, extra);
         if self.jump.is_some() || self.path_end.is_some_and(|end| end != at) {
             // The position was set, or motion was left out for want of a feed.
-            self.jump_to(start, extra, self.jump.unwrap_or(out.place()), out);
+            self.jump_to(start, extra, self.jump.unwrap_or(out.place), out);
         }
         let requests = if block.switches.first().is_some_and(Option::is_some) {
             block.switches.iter().flatten().cloned().collect()
@@ -352,11 +352,11 @@ impl State {
     fn auxiliary(&mut self, number: f64, block: &Block, o: Option<[f64; 8]>, out: &mut Output) {
         let at = (self.position, self.extra);
         if self.jump.is_some() || self.path_end.is_some_and(|end| end != at) {
-            self.jump_to(self.position, self.extra, self.jump.unwrap_or(out.place()), out);
+            self.jump_to(self.position, self.extra, self.jump.unwrap_or(out.place), out);
         }
         let shape = Shape::Line { start: self.position, end: self.position };
         let kind = ElementKind::MFunction { number: auxiliary_number(number) };
-        let mut element = self.element(out.place(), kind, shape, self.extra);
+        let mut element = self.element(out.place, kind, shape, self.extra);
         let parameters = MParameters { k: block.k, l: block.l, o };
         if parameters != MParameters::default() {
             element.details.get_or_insert_default().parameters = parameters;

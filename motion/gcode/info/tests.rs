@@ -65,7 +65,7 @@ fn dwells_and_rules_are_counted() {
     let at = Point3::origin();
     let dwell = ElementKind::Dwell { time_ns: 250_000_000 };
     let shape = Shape::Line { start: at, end: at };
-    let place = |line| Place { line, block: None };
+    let place = |line| Place::at(line);
     info.element(&PathElement::new(place(1), dwell, shape.clone()));
     info.element(&PathElement::new(place(1), dwell, shape));
     assert_eq!((info.objects.dwells, info.dwell_ns, info.blocks), (2, 500_000_000, 1));

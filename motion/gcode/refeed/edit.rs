@@ -36,7 +36,7 @@ impl Edit {
         Self { bytes: last.end..last.end, text: format!("{blank}{letter}{number}") }
     }
 
-    pub(super) fn write(&self, line: &[u8], out: &mut impl Write) -> io::Result<()> {
+    pub(crate) fn write(&self, line: &[u8], out: &mut impl Write) -> io::Result<()> {
         out.write_all(line.get(..self.bytes.start).unwrap_or_default())?;
         out.write_all(self.text.as_bytes())?;
         out.write_all(line.get(self.bytes.end..).unwrap_or_default())

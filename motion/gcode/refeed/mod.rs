@@ -119,6 +119,9 @@ pub enum RefeedError {
         "line {0} begins a loop or subroutine: feeds of such a program cannot be rewritten line by line"
     )]
     Repeated(u32),
+    /// A line needs another feed, and its F cannot be changed.
+    #[error("{0}: the feed of this line cannot be changed: {1}")]
+    Fixed(Place, &'static str),
 }
 
 /// Interface to a dialect: the edits of each line.

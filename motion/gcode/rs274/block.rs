@@ -52,7 +52,7 @@ impl Letter {
     pub(super) const CENTER: [Self; 3] = [Self::I, Self::J, Self::K];
 
     /// The letter of an ASCII letter in upper case, `@`, `^` or `$`.
-    fn new(upper: u8) -> Self {
+    const fn new(upper: u8) -> Self {
         match upper {
             b'@' => Self::RADIUS,
             b'^' => Self::ANGLE,
@@ -81,33 +81,21 @@ impl Letter {
 
 impl Letters {
     /// The words that are executed.
-    const KNOWN: Self = Self::AXES.with(Self::CENTER).with(Self::of(&[
-        Letter::D,
-        Letter::E,
-        Letter::F,
-        Letter::H,
-        Letter::L,
-        Letter::P,
-        Letter::Q,
-        Letter::R,
-        Letter::S,
-        Letter::T,
-        Letter::SPINDLE,
-    ]));
-    pub(super) const LINEAR: Self = Self::of(&[Letter::X, Letter::Y, Letter::Z]);
-    pub(super) const ROTARY: Self = Self::of(&[Letter::A, Letter::B, Letter::C]);
-    pub(super) const PARALLEL: Self = Self::of(&[Letter::U, Letter::V, Letter::W]);
+    const KNOWN: Self = Self::AXES.with(Self::of("DEFHIJKLPQRST$"));
+    pub(super) const LINEAR: Self = Letters::of("XYZ");
+    pub(super) const ROTARY: Self = Letters::of("ABC");
+    pub(super) const PARALLEL: Self = Letters::of("UVW");
     /// The axes that are extra axes of the path.
     pub(super) const EXTRA: Self = Self::ROTARY.with(Self::PARALLEL);
-    pub(super) const CENTER: Self = Self::of(&Letter::CENTER);
-    pub(super) const POLAR: Self = Self::of(&[Letter::RADIUS, Letter::ANGLE]);
+    pub(super) const CENTER: Self = Self::of("IJK");
+    pub(super) const POLAR: Self = Letters::of("@^");
     pub(super) const AXES: Self = Self::LINEAR.with(Self::EXTRA).with(Self::POLAR);
 
-    #[expect(clippy::indexing_slicing, reason = "evaluated by the compiler")]
-    pub(super) const fn of(letters: &[Letter]) -> Self {
+    /// Those in `text`: ASCII letters in upper case, `@`, `^` and `$`.
+    pub(super) const fn of(text: &str) -> Self {
         let (mut bits, mut index) = (0, 0);
-        while index < letters.len() {
-            bits |= letters[index].bit();
+        while index < text.len() {
+            bits |= Letter::new(text.as_bytes()[index]).bit();
             index += 1;
         }
         Self(bits)
@@ -152,14 +140,19 @@ pub(super) struct Block {
     pub(super) m: MWords,
     /// M98 or M99.
     pub(super) subroutine: Option<u16>,
+    /// M words that LinuxCNC does not know, with their bytes.
+    pub(super) other_m: Vec<(u16, Range<usize>)>,
     /// Parameters that are set.
     pub(super) assignments: Vec<Assignment>,
     /// The last comment, if it is a message.
     pub(super) message: Option<Message>,
+    /// What not every control takes, with its first bytes, if the program is meant for one.
+    pub(super) seen: Vec<(String, Range<usize>)>,
     present: Letters,
     values: [f64; 29],
-    columns: [(u32, u32); 29],
-    m_count: u8,
+    columns: [Range<usize>; 29],
+    /// Number of M words.
+    pub(super) m_count: u8,
     /// Bytes of the last G or M word.
     code: Option<Range<usize>>,
 }
@@ -180,6 +173,8 @@ impl Block {
         self.g = GWords::default();
         self.m = MWords::default();
         self.subroutine = None;
+        self.other_m.clear();
+        self.seen.clear();
         self.assignments.clear();
         self.message = None;
         self.present = Letters::default();
@@ -193,6 +188,7 @@ impl Block {
             && self.g == GWords::default()
             && self.m == MWords::default()
             && self.subroutine.is_none()
+            && self.other_m.is_empty()
             && self.assignments.is_empty()
             && self.message.is_none()
     }
@@ -209,70 +205,78 @@ impl Block {
 
     /// The number of the word with this letter.
     pub(super) fn get(&self, letter: Letter) -> Option<f64> {
-        if !self.present.contains(letter) {
-            return None;
-        }
-        self.values.get(letter.index()).copied()
+        self.present.contains(letter).then(|| self.values[letter.index()])
     }
 
     /// The block with the X of a radius for that of a diameter.
     pub(super) fn with_radius(&self) -> Self {
         let mut block = self.clone();
-        if let Some(x) = block.values.get_mut(Letter::X.index()) {
-            *x /= 2.0;
-        }
+        block.scale(Letter::X, 0.5);
         block
     }
 
     /// The bytes of the word with this letter; those of the last one if it has been cleared since.
     pub(super) fn columns(&self, letter: Letter) -> Option<Range<usize>> {
-        let (start, end) = self.columns.get(letter.index()).copied()?;
-        Some(usize::try_from(start).ok()?..usize::try_from(end).ok()?)
+        self.columns.get(letter.index()).cloned()
+    }
+
+    /// An error at the word with this letter; of the line as a whole if it is not in the block.
+    pub(super) fn at(&self, letter: Letter, error: impl Into<DecodeError>) -> Problem {
+        let columns = self.get(letter).and_then(|_| self.columns(letter));
+        Problem { columns, error: error.into() }
+    }
+
+    /// `value`, which the word with this letter leads to, if it is in `range`; `unit` is its unit with a blank before it.
+    ///
+    /// # Errors
+    /// [`DecodeError::OutOfRange`].
+    pub(super) fn within(
+        &self,
+        letter: Letter,
+        value: f64,
+        range: [f64; 2],
+        unit: &'static str,
+    ) -> Result<f64, Problem> {
+        let [min, max] = range;
+        if (min..=max).contains(&value) {
+            return Ok(value);
+        }
+        let name = letter.as_char();
+        Err(self.at(letter, DecodeError::OutOfRange { letter: name, value, min, max, unit }))
     }
 
     /// The bytes of the last word with a number of its own; of the last G or M word if there is none.
     pub(super) fn last_columns(&self) -> Option<Range<usize>> {
-        let present = self.columns.iter().enumerate().filter(|(index, _)| {
-            u8::try_from(*index).is_ok_and(|index| self.present.contains(Letter(index)))
-        });
-        let Some((_, (start, end))) = present.max_by_key(|(_, (_, end))| *end) else {
-            return self.code.clone();
-        };
-        Some(usize::try_from(*start).ok()?..usize::try_from(*end).ok()?)
+        let present = (0..29).map(Letter).filter(|letter| self.present.contains(*letter));
+        let last = present.filter_map(|letter| self.columns(letter)).max_by_key(|it| it.end);
+        last.or_else(|| self.code.clone())
     }
 
     /// Multiplies the number of a word.
     pub(super) fn scale(&mut self, letter: Letter, factor: f64) {
-        if let Some(value) = self.values.get_mut(letter.index()) {
-            *value *= factor;
-        }
+        self.values[letter.index()] *= factor;
+    }
+
+    /// Leaves out words.
+    pub(super) fn drop(&mut self, letters: Letters) {
+        self.present = self.present.without(letters);
     }
 
     /// Gives the number of `from` to `to` instead, if it is there and the other one is not.
     pub(super) fn rename(&mut self, from: Letter, to: Letter) {
         let Some(value) = self.get(from).filter(|_| self.get(to).is_none()) else { return };
-        let columns = self.columns.get(from.index()).copied().unwrap_or_default();
-        let slots = (self.values.get_mut(to.index()), self.columns.get_mut(to.index()));
-        if let (Some(slot), Some(place)) = slots {
-            (*slot, *place) = (value, columns);
-            self.present = self.present.without(Letters(from.bit())).with(Letters(to.bit()));
-        }
-    }
-
-    /// The bytes of the last G or M word.
-    pub(super) fn code_columns(&self) -> Option<Range<usize>> {
-        self.code.clone()
+        self.values[to.index()] = value;
+        self.columns[to.index()] = self.columns[from.index()].clone();
+        self.present = self.present.without(Letters(from.bit())).with(Letters(to.bit()));
     }
 
     /// The same block with these coordinates in place of the polar ones.
     pub(super) fn with_coordinates(&self, x: f64, y: f64) -> Self {
         let mut block = self.clone();
         for (letter, value) in [(Letter::X, x), (Letter::Y, y)] {
-            if let Some(slot) = block.values.get_mut(letter.index()) {
-                *slot = value;
-            }
+            block.values[letter.index()] = value;
         }
-        let coordinates = Letters::of(&[Letter::X, Letter::Y]);
+        let coordinates = Letters::of("XY");
         block.present = block.present.without(Letters::POLAR).with(coordinates);
         block
     }
@@ -291,7 +295,7 @@ impl Block {
         }
         let result = match upper {
             b'G' => self.add_g(value),
-            b'M' => self.add_m(value, strict),
+            b'M' => self.add_m(value, &columns, strict),
             _ => self.add_word(Letter::new(upper), value, &columns),
         };
         if let Err(error) = result {
@@ -316,15 +320,9 @@ impl Block {
             let (min, max) = (-MAX_NUMBER, MAX_NUMBER);
             return Err(DecodeError::OutOfRange { letter: name, value, min, max, unit: "" });
         }
-        let slots = (self.values.get_mut(letter.index()), self.columns.get_mut(letter.index()));
-        if let (Some(slot), Some(place)) = slots {
-            *slot = value;
-            *place = (
-                u32::try_from(columns.start).unwrap_or(u32::MAX),
-                u32::try_from(columns.end).unwrap_or(u32::MAX),
-            );
-            self.present = self.present.with(Letters(letter.bit()));
-        }
+        self.values[letter.index()] = value;
+        self.columns[letter.index()] = columns.clone();
+        self.present = self.present.with(Letters(letter.bit()));
         Ok(())
     }
 
@@ -338,7 +336,12 @@ impl Block {
         })
     }
 
-    fn add_m(&mut self, value: f64, strict: bool) -> Result<(), DecodeError> {
+    fn add_m(
+        &mut self,
+        value: f64,
+        columns: &Range<usize>,
+        strict: bool,
+    ) -> Result<(), DecodeError> {
         let unsupported = || DecodeError::UnsupportedCode { letter: 'M', number: value };
         self.m_count += 1;
         if self.m_count > MAX_M_WORDS {
@@ -351,8 +354,9 @@ impl Block {
             let conflict = DecodeError::Conflict { letter: 'M', number: value };
             return if before.is_none() { Ok(()) } else { Err(conflict) };
         }
-        if strict && !MWords::knows(number) {
-            return Err(unsupported());
+        if !strict && !MWords::knows(number) {
+            self.other_m.push((number, columns.clone()));
+            return Ok(());
         }
         self.m.add(number).map_err(|error| match error {
             CodeError::Unsupported => unsupported(),
@@ -365,22 +369,23 @@ impl Block {
     /// # Errors
     /// [`FlowError::MissingProgram`], [`FlowError::Beside`] and those of the numbers.
     pub(super) fn check_subroutine(&self, m: u16) -> Result<(u32, u32), Problem> {
-        let used = if m == 98 { Letters::of(&[Letter::L, Letter::P]) } else { Letters::default() };
+        let used = if m == 98 { Letters::of("LP") } else { Letters::default() };
         let other = self.letters().without(used).first();
-        let code = match (self.g == GWords::default(), self.m == MWords::default()) {
+        let has_m = self.m != MWords::default() || !self.other_m.is_empty();
+        let code = match (self.g == GWords::default(), !has_m) {
             (false, _) => Some('G'),
             (_, false) => Some('M'),
             _ => None,
         };
         if let Some(letter) = other.map(Letter::as_char).or(code) {
-            let columns = other.and_then(|letter| self.columns(letter));
-            return Err(Problem { columns, error: FlowError::Beside(letter).into() });
+            // Without another word A is not in the block, and the error is of the line.
+            return Err(self.at(other.unwrap_or(Letter::A), FlowError::Beside(letter)));
         }
         if m != 98 {
             return Ok((0, 0));
         }
-        let program = self.whole_within(Letter::P, 0, MAX_PROGRAM)?;
-        let program = program.ok_or(DecodeError::from(FlowError::MissingProgram))?;
+        let program = self.whole_within(Letter::P, [0.0, MAX_PROGRAM])?;
+        let program = program.ok_or(FlowError::MissingProgram)?;
         Ok((program, self.whole(Letter::L, 0)?.unwrap_or(1)))
     }
 
@@ -398,43 +403,36 @@ impl Block {
         if value > limit {
             return Ok(());
         }
-        let columns = self.get(letter).and_then(|_| self.columns(letter));
-        let (code, letter) = (code.to_owned(), letter.as_char());
-        Err(Problem { columns, error: DecodeError::TooSmall { code, letter, value, limit } })
+        let (code, name) = (code.to_owned(), letter.as_char());
+        Err(self.at(letter, DecodeError::TooSmall { code, letter: name, value, limit }))
     }
 
     /// The number of a word that takes whole numbers of at least `min`; `None` if it is not there.
     ///
     /// # Errors
     /// [`DecodeError::NotWhole`] and [`DecodeError::OutOfRange`].
-    pub(super) fn whole(&self, letter: Letter, min: u32) -> Result<Option<u32>, DecodeError> {
-        self.whole_within(letter, min, MAX_COUNT)
+    pub(super) fn whole(&self, letter: Letter, min: u32) -> Result<Option<u32>, Problem> {
+        self.whole_within(letter, [f64::from(min), MAX_COUNT])
     }
 
-    fn whole_within(&self, letter: Letter, min: u32, max: f64) -> Result<Option<u32>, DecodeError> {
+    /// The same for numbers in `range`, which must not be below 0.
+    pub(super) fn whole_within(
+        &self,
+        letter: Letter,
+        range: [f64; 2],
+    ) -> Result<Option<u32>, Problem> {
         let Some(value) = self.get(letter) else { return Ok(None) };
-        let (name, rounded) = (letter.as_char(), value.round());
+        let rounded = value.round();
         if (value - rounded).abs() > WHOLE {
-            return Err(DecodeError::NotWhole { letter: name, value });
+            return Err(self.at(letter, DecodeError::NotWhole { letter: letter.as_char(), value }));
         }
-        let min = f64::from(min);
-        if !(min..=max).contains(&rounded) {
-            return Err(DecodeError::OutOfRange { letter: name, value, min, max, unit: "" });
-        }
+        let whole = self.within(letter, rounded, range, "")?;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "checked above"
         )]
-        Ok(Some(rounded as u32))
-    }
-
-    /// The same, with the word at which the error is.
-    ///
-    /// # Errors
-    /// Those of [`Self::whole`].
-    pub(super) fn whole_at(&self, letter: Letter, min: u32) -> Result<Option<u32>, Problem> {
-        self.whole(letter, min).map_err(|error| Problem { columns: self.columns(letter), error })
+        Ok(Some(whole as u32))
     }
 }
 

@@ -11,7 +11,7 @@
 //! units of the block: after G20 they are inches, as in LinuxCNC.
 //!
 //! If the initial level is below R, the tool first goes up to R. Then for each repetition: a rapid in the plane (at
-//! R, or at the height at hand if that is above), a rapid down to R, and the [`steps`] of the cycle.
+//! R, or at the current height if that is above), a rapid down to R, and the [`steps`] of the cycle.
 
 use super::LengthUnit;
 use super::block::{Block, Letter, Letters};
@@ -122,20 +122,17 @@ impl Cycle {
 
     /// The words of the cycle other than those of axes.
     pub(super) fn words(self) -> Letters {
-        let mut words = Letters::of(&[Letter::R]);
+        let mut words = Letters::of("R");
+        let mut takes = |is_so: bool, letters: &str| {
+            if is_so {
+                words = words.with(Letters::of(letters));
+            }
+        };
         // LinuxCNC's tables of words leave out G74.
-        if self.0 != 74 {
-            words = words.with(Letters::of(&[Letter::L]));
-        }
-        if self.has(Step::Dwell) {
-            words = words.with(Letters::of(&[Letter::P]));
-        }
-        if self.pecks() {
-            words = words.with(Letters::of(&[Letter::Q]));
-        }
-        if self.has(Step::Aside(true)) {
-            words = words.with(Letters::CENTER);
-        }
+        takes(self.0 != 74, "L");
+        takes(self.has(Step::Dwell), "P");
+        takes(self.pecks(), "Q");
+        takes(self.has(Step::Aside(true)), "IJK");
         words
     }
 

@@ -1,7 +1,7 @@
 //! Decoder: reads a program line by line.
 
-use super::block::{Block, Letter};
-use super::control;
+use super::block::{Block, Letter, Letters};
+use super::control::{self, Control};
 use super::error::{DecodeError, Failure, Item, Problem};
 use super::flow::{Effect, Flow, FlowError, Keyword, Label, Statement};
 use super::leniency::Leniency;
@@ -86,6 +86,11 @@ impl<R: BufRead> Decoder<R> {
         self.source.lines()
     }
 
+    /// The line that was read last.
+    pub(super) fn text(&self) -> &[u8] {
+        &self.line
+    }
+
     /// Position of the machine after the blocks read so far.
     pub fn position(&self) -> Position {
         self.state.location.machine
@@ -106,7 +111,12 @@ impl<R: BufRead> Decoder<R> {
         self.state.tool
     }
 
-    /// Kept memory: bytes of the line, and items that nobody has taken yet.
+    /// Tool offset in force (G43 to G43.2), m and degrees.
+    pub fn tool_offset(&self) -> &Position {
+        self.state.offsets.tool()
+    }
+
+    /// Kept memory: bytes of the line, and items that have not been taken yet.
     #[cfg(test)]
     pub(super) fn capacity(&self) -> usize {
         self.line.capacity()
@@ -121,9 +131,7 @@ impl<R: BufRead> Decoder<R> {
         let at = self.flow.next;
         match self.source.read(at, self.flow.keeps(), &mut self.line)? {
             Reading::Line if self.state.strict && self.line.len() > STRICT_LINE_BYTES => {
-                self.arrive(at);
-                self.state.forgive_missing_feed();
-                self.out.error(None, DecodeError::LineTooLong(STRICT_LINE_BYTES));
+                self.refuse_line(at, STRICT_LINE_BYTES);
             }
             Reading::Line => {
                 self.arrive(at);
@@ -133,58 +141,55 @@ impl<R: BufRead> Decoder<R> {
                     self.out.end();
                 }
             }
-            Reading::TooLong => {
-                self.arrive(at);
-                self.state.forgive_missing_feed();
-                self.out.error(None, DecodeError::LineTooLong(MAX_LINE_BYTES));
-            }
+            Reading::TooLong => self.refuse_line(at, MAX_LINE_BYTES),
             Reading::End => self.end_file(at),
         }
         Ok(())
     }
 
-    /// The line behind `at` is at hand.
+    /// Reports that the line behind `at` has more bytes than `limit`.
+    fn refuse_line(&mut self, at: Spot, limit: usize) {
+        self.arrive(at);
+        self.state.feed_reported = true;
+        self.out.error(DecodeError::LineTooLong(limit));
+    }
+
+    /// Makes the line behind `at` the current one.
     fn arrive(&mut self, at: Spot) {
         let line = at.line.saturating_add(1);
         self.flow.next.line = line;
         self.state.parameters.line = line;
         let shown = at.file.map_or(line, |_| self.flow.main_line());
-        self.out.place = Place { line: shown, block: None };
-        self.out.file = at.file.map(|file| (self.source.file_name(file), line));
+        let within = self.source.line_of(at.behind());
+        self.out.place = Place { within, ..Place::at(shown) };
     }
 
     /// The file has no line behind `at`.
     fn end_file(&mut self, at: Spot) {
-        self.out.place = Place { line: self.lines().max(1), block: None };
-        self.out.file = at.file.map(|file| (self.source.file_name(file), at.line));
+        let within = self.source.line_of(at);
+        self.out.place = Place { within, ..Place::at(self.lines().max(1)) };
         let main_line = self.flow.main_line();
         if let Some((error, line, effect)) = self.flow.at_end() {
             // A file that misses a part of itself is that of the call.
             self.out.place.line = if at.file.is_some() { main_line } else { line };
-            self.out.error(None, error.into());
+            self.out.error(error);
             self.apply(effect);
             return;
         }
         self.ended = true;
         if self.begun {
-            self.forgive(Leniency::NoEnd);
+            let forgiven = self.state.forgive(Leniency::NoEnd, None, &mut self.out);
+            self.report(forgiven);
         }
         self.out.place = self.last;
         self.state.end(&mut self.out);
         self.out.end();
     }
 
-    /// Says what the control does with a line of %.
+    /// Reports what the control does with a line of %.
     fn note_percent(&mut self) {
         if let Some(control) = self.state.control {
-            control::check(control, b"%", &Block::default(), None, &self.state, &mut self.out);
-        }
-    }
-
-    /// Passes over what LinuxCNC refuses in the line at hand, or reports it.
-    fn forgive(&mut self, leniency: Leniency) {
-        if let Err(Problem { columns, error }) = self.state.forgive(leniency, None, &mut self.out) {
-            self.out.error(columns, error);
+            control::percent(control, &mut self.out);
         }
     }
 
@@ -210,7 +215,9 @@ impl<R: BufRead> Decoder<R> {
                 self.ended = true;
                 self.note_percent();
                 if !self.percent {
-                    self.forgive(Leniency::ClosingPercent);
+                    let forgiven =
+                        self.state.forgive(Leniency::ClosingPercent, None, &mut self.out);
+                    self.report(forgiven);
                 }
                 return;
             }
@@ -227,7 +234,8 @@ impl<R: BufRead> Decoder<R> {
         let flow = lexer::lex(line, begin, &self.state, &mut self.block, &mut self.problems);
         self.out.place.block = self.block.number;
         if let Some(control) = self.state.numbers_of {
-            control.translate(&mut self.block, self.state.motion);
+            let translated = control.translate(&mut self.block, self.state.motion);
+            self.problems.extend(translated.err());
         }
         if let Some(control) = self.state.control.filter(|_| self.problems.is_empty()) {
             let keyword = flow.as_ref().map(|(_, keyword, _)| *keyword);
@@ -236,8 +244,8 @@ impl<R: BufRead> Decoder<R> {
         if let Some((label, keyword, values)) = flow {
             match Lexer::new(line, values, &self.state).statement(label.clone(), keyword) {
                 Ok(statement) => self.follow(statement, at),
-                Err(Problem { columns, error }) => {
-                    self.out.error(columns, error);
+                Err(problem) => {
+                    self.out.error(problem);
                     if matches!(keyword, Keyword::EndSub | Keyword::Return) {
                         self.follow(Statement::untested(label, keyword), at);
                     } else {
@@ -257,14 +265,12 @@ impl<R: BufRead> Decoder<R> {
         (self.begun, self.under_way) = (true, true);
         self.state.adopt(&self.block);
         // The F that is missing later may well be one that could not be read here.
-        self.state.forgive_missing_feed();
+        self.state.feed_reported = true;
         let unread = self.problems.iter().any(|one| one.error.rule() == Rule::Syntax);
-        for Problem { columns, error } in self.problems.drain(..) {
-            self.out.error(columns, error);
-        }
+        self.problems.drain(..).for_each(|problem| self.out.error(problem));
         self.state.recover(&self.block, &mut self.out);
         if unread {
-            self.state.mark_uncertain();
+            self.state.uncertain = self.state.uncertain.with(Letters::LINEAR);
         }
         self.ended = matches!(self.block.m.stop, Some(2 | 30));
     }
@@ -273,7 +279,7 @@ impl<R: BufRead> Decoder<R> {
     fn execute(&mut self) {
         if let Some(message) = self.block.message.take() {
             if message.kind == "ABORT" {
-                self.out.error(None, FlowError::Abort(message.text).into());
+                self.out.error(FlowError::Abort(message.text));
                 self.ended = true;
                 return;
             }
@@ -283,19 +289,16 @@ impl<R: BufRead> Decoder<R> {
             self.state.set_parameter(&assignment.target, assignment.value);
         }
         if let Some(number) = self.block.subroutine {
-            match self.block.check_subroutine(number).and_then(|count| self.go(number, count)) {
-                Ok(()) => {}
-                Err(Problem { columns, error }) => self.out.error(columns, error),
-            }
-            return;
+            let gone = self.block.check_subroutine(number).and_then(|count| self.go(number, count));
+            return self.report(gone);
         }
         let before = self.state.location;
         match self.state.execute(&self.block, &mut self.out) {
             Ok(true) => {}
             Ok(false) => self.ended = true,
-            Err(Problem { columns, error }) => {
+            Err(problem) => {
                 self.state.adopt(&self.block);
-                self.out.error(columns, error);
+                self.out.error(problem);
                 if self.state.location == before {
                     self.state.recover(&self.block, &mut self.out);
                 }
@@ -307,21 +310,20 @@ impl<R: BufRead> Decoder<R> {
     /// Carries out M98 with the number of a subroutine and of its calls, or M99.
     fn go(&mut self, m: u16, (program, count): (u32, u32)) -> Result<(), Problem> {
         let has_l = self.block.get(Letter::L).is_some();
-        let (program, count) = match self.state.numbers_of {
-            Some(control) => control.calls((program, count), has_l),
-            None => (program, count),
-        };
-        let effect = if m == 98 {
-            self.flow.call_numbered(program.into(), count)
-        } else if self.flow.is_in_subroutine() {
-            self.flow.return_numbered()
+        let calls = |control: Control| control.calls((program, count), has_l);
+        let (program, count) = self.state.numbers_of.map_or((program, count), calls);
+        let effect = if m == 98 && count == 0 {
+            return Ok(());
+        } else if m == 98 {
+            self.flow.call(Label::of_number(program.into()), Keyword::Program, None, count)
+        } else if self.state.parameters.depth() > 0 {
+            self.flow.leave("M99", Keyword::Program, None)
         } else {
             self.out.warning(None, FlowError::EndlessProgram.into());
             self.ended = true;
             return Ok(());
         };
-        let effect = effect.map_err(DecodeError::from)?;
-        self.apply(effect);
+        self.apply(effect?);
         Ok(())
     }
 
@@ -338,7 +340,7 @@ impl<R: BufRead> Decoder<R> {
                 if self.unread.iter().any(|unread| unread.to_string() == label) => {}
             Err(error) => {
                 self.ended = matches!(error, FlowError::Endless(_) | FlowError::TooDeep(_));
-                self.out.error(None, error.into());
+                self.out.error(error);
             }
         }
         if self.flow.keeps() {
@@ -346,7 +348,7 @@ impl<R: BufRead> Decoder<R> {
         }
     }
 
-    /// Looks for the line that ends the search in the line at hand.
+    /// Looks for the line that ends the search in the current line.
     fn pass_over(&mut self, at: Spot, begin: usize) {
         let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
         let mut lexer = Lexer::new(line, begin, &self.state);
@@ -361,7 +363,7 @@ impl<R: BufRead> Decoder<R> {
         let Ok((label, keyword)) = lexer.label() else { return };
         if !self.flow.finds(&label, keyword) {
             if let Err(error) = self.flow.check_nested(keyword) {
-                self.out.error(None, error.into());
+                self.out.error(error);
             }
             return;
         }
@@ -373,14 +375,19 @@ impl<R: BufRead> Decoder<R> {
             lexer.statement(label, keyword)
         } {
             Ok(statement) => self.follow(statement, at),
-            Err(Problem { columns, error }) => self.out.error(columns, error),
+            Err(problem) => self.out.error(problem),
         }
     }
 
     /// Restores what M73 has saved in the subroutine that ends.
     fn restore_modes(&mut self) {
-        if let Err(Problem { columns, error }) = self.state.return_modes(&mut self.out) {
-            self.out.error(columns, error);
+        let restored = self.state.return_modes(&mut self.out);
+        self.report(restored);
+    }
+
+    fn report(&mut self, result: Result<(), Problem>) {
+        if let Err(problem) = result {
+            self.out.error(problem);
         }
     }
 
@@ -393,12 +400,12 @@ impl<R: BufRead> Decoder<R> {
                 self.flow.save(saved);
                 let Some(label) = unknown else { return };
                 match self.source.open(label.text()) {
-                    Ok(Some(file)) => self.flow.go_to_file(file),
+                    Ok(Some(file)) => self.flow.next = Spot { file: Some(file), line: 0 },
                     // Perhaps it follows.
                     Ok(None) => {}
                     Err(cause) => {
                         let (label, cause) = (label.to_string(), cause.to_string());
-                        self.out.error(None, FlowError::File(label, cause).into());
+                        self.out.error(FlowError::File(label, cause));
                     }
                 }
             }

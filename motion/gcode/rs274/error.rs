@@ -224,7 +224,7 @@ pub enum DecodeError {
     /// A probing move that must trip and does not.
     #[error("{} reaches its end without {}", .0, lacking(*.0))]
     ProbeNotTripped(Probing),
-    /// A probing move, and nobody knows where it ends. A warning.
+    /// A probing move whose end is not known. A warning.
     #[error("{0} is assumed to reach its end: nothing is described that it could touch")]
     ProbeUnknown(Probing),
     /// A tool that is not in the table.
@@ -420,16 +420,6 @@ pub enum DecodeError {
     /// A message of the program. A note.
     #[error("{}: {}", .0.kind, .0.text)]
     Message(Message),
-    /// Something wrong in a subroutine file.
-    #[error("{file} line {line}: {error}")]
-    InFile {
-        /// Name of the file.
-        file: String,
-        /// Its line, counted from 1.
-        line: u32,
-        /// The error.
-        error: Box<DecodeError>,
-    },
     /// An O word behind other words.
     #[error("O must be the first word of its block, or follow its N")]
     MisplacedLabel,
@@ -501,9 +491,7 @@ impl DecodeError {
     pub(super) fn missing(code: impl Into<String>, word: impl Into<String>) -> Self {
         Self::MissingWord { code: code.into(), word: word.into() }
     }
-}
 
-impl DecodeError {
     /// True if it may only be one of where an arc begins.
     pub(super) fn depends_on_start(&self) -> bool {
         matches!(
@@ -519,7 +507,7 @@ impl DecodeError {
 impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
-            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.rule(),
+            Self::Repeated { error, .. } => error.rule(),
             Self::OfControl(_) => Rule::Control,
             Self::Lenient(leniency) => leniency.refusal().rule(),
             Self::UnsupportedLetter(_) | Self::SharedAxis { .. } | Self::UnsupportedCode { .. } => {
@@ -546,7 +534,24 @@ impl TextError for DecodeError {
     fn hint(&self) -> Option<String> {
         match self {
             Self::OfControl(finding) => finding.hint(),
-            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.hint(),
+            Self::Repeated { error, .. } => error.hint(),
+            // As other controls have it, with the option that reads it so.
+            Self::Flow(FlowError::NotFound(label))
+                if label.parse().is_ok_and(|number: u32| number > 9999) =>
+            {
+                Some(
+                    "on Fanuc the digits before the last four are the number of calls: --for fanuc"
+                        .to_owned(),
+                )
+            }
+            Self::UnsupportedCode { letter: 'G', number: 70.0 | 71.0 } => Some(
+                "on Mach3 G70 is inches and G71 millimetres, as G20 and G21: --for mach3"
+                    .to_owned(),
+            ),
+            Self::MissingAxes(5.0 | 5.1) => Some(
+                "on Fanuc G5 P and G5.1 Q set how far the control looks ahead: --for fanuc"
+                    .to_owned(),
+            ),
             _ => None,
         }
     }
@@ -554,28 +559,22 @@ impl TextError for DecodeError {
     fn is_note(&self) -> bool {
         match self {
             Self::Message(_) => true,
-            Self::InFile { error, .. } | Self::Repeated { error, .. } => error.is_note(),
+            Self::Repeated { error, .. } => error.is_note(),
             _ => false,
         }
     }
 }
 
-/// An error of the block at hand and the bytes of its line to point at.
+/// An error of the current block and the bytes of its line to point at.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Problem {
     pub(super) columns: Option<Range<usize>>,
     pub(super) error: DecodeError,
 }
 
-impl From<DecodeError> for Problem {
+impl<E: Into<DecodeError>> From<E> for Problem {
     /// An error of the line as a whole.
-    fn from(error: DecodeError) -> Self {
-        Self { columns: None, error }
-    }
-}
-
-impl From<ExpressionError> for Problem {
-    fn from(error: ExpressionError) -> Self {
-        DecodeError::from(error).into()
+    fn from(error: E) -> Self {
+        Self { columns: None, error: error.into() }
     }
 }

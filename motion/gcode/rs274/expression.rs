@@ -175,6 +175,7 @@ impl Lexer<'_> {
     /// The expression in brackets that begins here.
     pub(super) fn expression(&mut self) -> Result<f64, Problem> {
         self.expect('[')?;
+        self.see("expressions", self.at - 1..self.at);
         let value = self.operation(0)?;
         self.expect(']')?;
         Ok(value)
@@ -253,7 +254,10 @@ impl Lexer<'_> {
     /// The same, or why no parameter has the number that is written.
     fn any_parameter(&mut self) -> Result<Result<Target, ParameterError>, Problem> {
         self.expect('#')?;
-        if self.peek() == Some(b'<') {
+        let is_named = self.peek() == Some(b'<');
+        let kind = if is_named { "named parameters" } else { "parameters" };
+        self.see(kind, self.at - 1..self.at);
+        if is_named {
             return Ok(Ok(Target::Named(self.name()?)));
         }
         Ok(Target::numbered(self.value()?))

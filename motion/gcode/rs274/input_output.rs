@@ -17,7 +17,6 @@ use super::leniency::Leniency;
 use super::output::Output;
 use super::parameters::Target;
 use super::state::State;
-use super::word::MWords;
 use twin_path::{ElementKind, MParameters};
 
 /// Parameter with the value that M66 has read.
@@ -27,22 +26,22 @@ const RESULT: u16 = 5399;
 const MAX_NUMBER: f64 = 1e6;
 
 /// The last wait type of M66 (low).
-const MAX_WAIT: u32 = 4;
+const MAX_WAIT: f64 = 4.0;
 
 /// The words that M functions of inputs, outputs, overrides and the user take.
 pub(super) fn m_letters(block: &Block) -> Letters {
     let mut letters = Letters::default();
     letters = letters.with(match block.m.input_output {
-        Some(62..=65) => Letters::of(&[Letter::P]),
-        Some(66) => Letters::of(&[Letter::P, Letter::E, Letter::L, Letter::Q]),
-        Some(_) => Letters::of(&[Letter::E, Letter::Q]),
+        Some(62..=65) => Letters::of("P"),
+        Some(66) => Letters::of("PELQ"),
+        Some(_) => Letters::of("EQ"),
         None => Letters::default(),
     });
     if matches!(block.m.overrides, Some(50..=53)) {
-        letters = letters.with(Letters::of(&[Letter::P]));
+        letters = letters.with(Letters::of("P"));
     }
-    if block.m.user.is_some() {
-        letters = letters.with(Letters::of(&[Letter::P, Letter::Q]));
+    if block.m.user.is_some() || !block.other_m.is_empty() {
+        letters = letters.with(Letters::of("PQ"));
     }
     letters
 }
@@ -78,13 +77,13 @@ impl State {
     /// M100 to M199, and other numbers than those of LinuxCNC.
     ///
     /// # Errors
-    /// [`DecodeError::UnsupportedCode`] for the latter, where it is strict.
+    /// That of [`Self::forgive`].
     pub(super) fn call_user(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        if let Some(number) = block.m.user {
-            if !MWords::knows(number) {
-                self.forgive(Leniency::UnknownM(number), block.code_columns(), out)?;
-            }
-            let (k, l) = (block.get(Letter::P), block.get(Letter::Q));
+        for (number, columns) in &block.other_m {
+            self.forgive(Leniency::UnknownM(*number), Some(columns.clone()), out)?;
+        }
+        let (k, l) = (block.get(Letter::P), block.get(Letter::Q));
+        for number in block.other_m.iter().map(|(number, _)| *number).chain(block.m.user) {
             self.stand(ElementKind::MFunction { number }, MParameters { k, l, o: None }, out);
         }
         Ok(())
@@ -102,25 +101,19 @@ pub(super) fn rounded(block: &Block, letter: Letter) -> Result<Option<u32>, Prob
 fn wait(block: &Block) -> Result<MParameters, Problem> {
     let channel = |letter| rounded(block, letter).map(|it| it.map(f64::from));
     let (digital, analog) = (channel(Letter::P)?, channel(Letter::E)?);
-    let kind = block.whole_at(Letter::L, 0)?.unwrap_or(0);
+    let kind = block.whole_within(Letter::L, [0.0, MAX_WAIT])?.unwrap_or(0);
     let timeout = block.get(Letter::Q).unwrap_or(0.0).max(0.0);
-    let at = |letter: Letter, error| Problem { columns: block.columns(letter), error };
     match (digital, analog) {
         (None, None) => {
             let input = "the number of its input: P if it is digital, E if it is analog";
             return Err(DecodeError::missing("M66", input).into());
         }
-        (Some(_), Some(_)) => return Err(at(Letter::E, DecodeError::WaitForTwoInputs)),
-        (None, Some(_)) if kind > 0 => return Err(at(Letter::L, DecodeError::WaitForAnalog)),
+        (Some(_), Some(_)) => return Err(block.at(Letter::E, DecodeError::WaitForTwoInputs)),
+        (None, Some(_)) if kind > 0 => return Err(block.at(Letter::L, DecodeError::WaitForAnalog)),
         _ => {}
     }
-    if kind > MAX_WAIT {
-        let (value, max) = (f64::from(kind), f64::from(MAX_WAIT));
-        let error = DecodeError::OutOfRange { letter: 'L', value, min: 0.0, max, unit: "" };
-        return Err(at(Letter::L, error));
-    }
     if kind > 0 && timeout <= 0.0 {
-        return Err(at(Letter::L, DecodeError::WaitWithoutTimeout));
+        return Err(block.at(Letter::L, DecodeError::WaitWithoutTimeout));
     }
     let o = Some([f64::from(kind), timeout, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     Ok(MParameters { k: digital, l: analog, o })

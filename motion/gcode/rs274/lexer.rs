@@ -3,10 +3,11 @@
 use super::block::{Assignment, Block};
 use super::error::{DecodeError, Problem};
 use super::expression::ExpressionError;
-use super::flow::{Keyword, Label};
+use super::flow::{FlowError, Keyword, Label};
 use super::message::Message;
 use super::state::State;
 use crate::number;
+use std::ops::Range;
 
 /// Reads the words of `line`, from byte `at` on, into `block`, and its errors into `problems`.
 ///
@@ -40,9 +41,17 @@ pub(super) fn lex(
         }
         return None;
     }
+    if let Some((statement, rewrite)) = lexer.macro_statement() {
+        let error = FlowError::Macro { statement, rewrite }.into();
+        problems.push(lexer.problem(lexer.at, line.len(), error));
+        return None;
+    }
     while let Some(byte) = lexer.peek() {
         let result = match byte {
-            b';' => return None,
+            b';' => {
+                lexer.see("comment with ;", lexer.at..line.len());
+                break;
+            }
             b'(' => lexer.comment().map(|comment| block.message = comment),
             b'#' => lexer.assignment(block),
             b'@' | b'^' | b'$' => lexer.word(byte, block, problems),
@@ -54,6 +63,7 @@ pub(super) fn lex(
             return None;
         }
     }
+    block.seen.append(&mut lexer.seen);
     None
 }
 
@@ -61,9 +71,11 @@ pub(super) fn lex(
 pub(super) struct Lexer<'a> {
     pub(super) line: &'a [u8],
     pub(super) at: usize,
-    /// Nesting of the value at hand.
+    /// Nesting of the current value.
     pub(super) depth: u32,
     pub(super) state: &'a State,
+    /// As [`Block::seen`].
+    seen: Vec<(String, Range<usize>)>,
 }
 
 fn is_blank(byte: u8) -> bool {
@@ -72,7 +84,7 @@ fn is_blank(byte: u8) -> bool {
 
 impl<'a> Lexer<'a> {
     pub(super) fn new(line: &'a [u8], at: usize, state: &'a State) -> Self {
-        Self { line, at, depth: 0, state }
+        Self { line, at, depth: 0, state, seen: Vec::new() }
     }
 
     /// The next byte that is not blank; it is at `self.at` then.
@@ -95,6 +107,32 @@ impl<'a> Lexer<'a> {
     /// An error of what has been read from `start` on.
     pub(super) fn since(&self, start: usize, error: impl Into<DecodeError>) -> Problem {
         self.problem(start, self.at.max(start + 1), error.into())
+    }
+
+    /// Keeps what not every control takes.
+    pub(super) fn see(&mut self, word: &str, columns: Range<usize>) {
+        if self.state.control.is_some() && !self.seen.iter().any(|(known, _)| known == word) {
+            self.seen.push((word.to_owned(), columns));
+        }
+    }
+
+    /// Keeps a word of `letter` and `value`, from byte `start` on.
+    fn see_word(&mut self, letter: char, value: Option<f64>, start: usize) {
+        if self.state.control.is_none() {
+            return;
+        }
+        let columns = start..self.at;
+        match (letter, value) {
+            ('@' | '^', _) => self.see("@ and ^", columns),
+            ('G' | 'M', Some(number)) => self.see(&format!("{letter}{number}"), columns),
+            _ => self.see(letter.encode_utf8(&mut [0; 4]), columns),
+        }
+        let text = self.line.get(start + 1..self.at).unwrap_or_default();
+        let is_whole =
+            text.iter().all(|byte| is_blank(*byte) || matches!(byte, b'+' | b'-' | b'0'..=b'9'));
+        if is_whole && matches!(letter, 'X' | 'Y' | 'Z' | 'I' | 'J' | 'R') && value != Some(0.0) {
+            self.see("length without a decimal point", start..self.at);
+        }
     }
 
     /// Where `text` ends if it is here, in whatever case.
@@ -180,6 +218,7 @@ impl<'a> Lexer<'a> {
         }
         let value = if self.is_number() { self.plain_number() } else { self.value().map(Some)? };
         let columns = start..self.at;
+        self.see_word(letter, value, start);
         match value {
             Some(value) => {
                 let value = match self.state.numbers_of {

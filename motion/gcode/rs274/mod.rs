@@ -25,7 +25,7 @@
 //! [`DecoderOptions::subroutine_folders`], and M98 calls subroutines that end with M99; see `flow/mod.rs`. Loops without end
 //! are errors ([`FlowLimits`]). Lines that may be executed again are kept in memory, those of other programs are not.
 //! Messages (MSG, DEBUG, PRINT, ...) are notes with their text and are not carried out. Elements of a subroutine file
-//! have the line of the call.
+//! have its line, and that of the call ([`Place::within`](twin_path::Place::within)).
 //!
 //! M words: M0, M1, M3 to M9, M19, M60 and M61 are elements at which the path waits
 //! ([`ElementKind::MFunction`](twin_path::ElementKind::MFunction)), so that a spindle has its speed and coolant flows
@@ -135,7 +135,7 @@ pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference}
 pub use parameter_file::{ParameterFile, ParameterFileError};
 pub use parameters::ParameterError;
 pub use probe::{ProbePath, ProbeTarget, Surroundings};
-pub use refeed::refeed;
+pub use refeed::{refeed, refeed_repeated};
 pub use settings::OffsetError;
 pub use spline::{MAX_CONTROL_POINTS, TOLERANCE as SPLINE_TOLERANCE};
 pub use tool_table::{Tool, ToolTable, ToolTableError};

@@ -57,7 +57,7 @@ pub(super) struct Saved {
 }
 
 impl State {
-    /// The modal state at hand.
+    /// The current modal state.
     pub(super) fn save_modes(&self) -> Modes {
         Modes {
             words: GWords {
@@ -101,25 +101,20 @@ impl State {
         if self.offsets.has_tool_length() { ToolLength::Table } else { ToolLength::Off }
     }
 
-    /// Executes the words that lead back to `saved`; those that are in force already are left out.
+    /// Executes the words that lead back to `saved`; those that do something even if they are in force are left out then.
     ///
     /// # Errors
     /// Those of the words.
     pub(super) fn restore_modes(&mut self, saved: &Modes, out: &mut Output) -> Result<(), Problem> {
         let (to, now) = (saved.words, self.save_modes().words);
         let g = GWords {
-            plane: changed(to.plane, now.plane),
-            parallel_plane: changed(to.parallel_plane, now.parallel_plane),
-            units: changed(to.units, now.units),
             compensation: changed(to.compensation, now.compensation),
             g92_switch: changed(to.g92_switch, now.g92_switch),
             tool_length: changed(to.tool_length, now.tool_length),
             system: changed(to.system, now.system),
-            relative: changed(to.relative, now.relative),
-            absolute_centers: changed(to.absolute_centers, now.absolute_centers),
             feed_mode: changed(to.feed_mode, now.feed_mode),
             initial_level: changed(to.initial_level, now.initial_level),
-            ..GWords::default()
+            ..to
         };
         (self.speed, self.surface_speed) = (saved.speed, saved.surface_speed);
         self.diameters = saved.diameters;

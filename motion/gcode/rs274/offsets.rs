@@ -2,7 +2,6 @@
 
 use super::options::{DecoderOptions, LengthUnit, Position, ToolReference};
 use super::tool_table::Tool;
-use super::work_frame::unless_identity;
 use nalgebra::Isometry3;
 
 /// Numbers of the parameters that are kept here: home positions, G92, coordinate systems, tool in the spindle.
@@ -80,6 +79,12 @@ struct Rotation {
     cos: f64,
 }
 
+impl Default for Rotation {
+    fn default() -> Self {
+        Self::new(0.0)
+    }
+}
+
 impl Rotation {
     fn new(degrees: f64) -> Self {
         let (sin, cos) = degrees.to_radians().sin_cos();
@@ -130,7 +135,7 @@ fn difference(a: &Position, b: &Position) -> Position {
 ///
 /// A coordinate system is in force as it was when it was selected or set with G10. Parameters that the program sets
 /// act when their system is selected the next time, or with G92.3, G28 and G30, as in LinuxCNC.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Offsets {
     /// Parameters from [`FIRST`] on, in the units of the machine and degrees.
     values: Vec<f64>,
@@ -153,14 +158,11 @@ impl Offsets {
         let mut offsets = Self {
             values: vec![0.0; usize::from(LAST - FIRST) + 1],
             units: options.units,
-            system: 0,
-            origin: Position::default(),
-            rotation: Rotation::new(0.0),
-            g92: Position::default(),
-            tool: Position::default(),
+            tool: options.tool_offset,
             reference: options.reference,
-            work_frame: unless_identity(&options.work_frame),
-            sum: Position::default(),
+            // Where both frames are the same, numbers of the program stay what they are.
+            work_frame: Some(options.work_frame).filter(|frame| *frame != Isometry3::identity()),
+            ..Self::default()
         };
         offsets.store(G28, &options.g28);
         offsets.store(G30, &options.g30);

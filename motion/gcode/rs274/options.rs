@@ -131,6 +131,8 @@ pub struct DecoderOptions {
     pub tools: Option<ToolTable>,
     /// Number of the tool in the spindle at the beginning, 0 = none.
     pub tool: u32,
+    /// Tool offset in force at the beginning, until the first G43 or G49: LinuxCNC keeps it from program to program.
+    pub tool_offset: Position,
     /// Reference point of the positions of the path.
     pub reference: ToolReference,
     /// Surroundings that a probe can touch (G38.2 to G38.5). Without them probing moves go to their ends, with a
@@ -174,6 +176,7 @@ impl Default for DecoderOptions {
             parameters: ParameterFile::default(),
             tools: None,
             tool: 0,
+            tool_offset: Position::default(),
             reference: ToolReference::default(),
             surroundings: None,
             probe_settle_ns: 0,

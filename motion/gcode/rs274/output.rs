@@ -1,6 +1,6 @@
 //! Output queue of a line: elements, warnings and errors.
 
-use super::error::{DecodeError, Diagnostic, Failure, Item};
+use super::error::{DecodeError, Diagnostic, Failure, Item, Problem};
 use std::collections::VecDeque;
 use std::ops::Range;
 use twin_path::PathElement;
@@ -10,9 +10,8 @@ use twin_path::Place;
 #[derive(Debug, Default)]
 pub(super) struct Output {
     pub(super) items: VecDeque<Result<Item, Failure>>,
+    /// The current block.
     pub(super) place: Place,
-    /// Name and line, if the block is that of a subroutine file.
-    pub(super) file: Option<(String, u32)>,
     remarks: Vec<Remark>,
 }
 
@@ -28,11 +27,6 @@ struct Remark {
 }
 
 impl Output {
-    /// The block at hand.
-    pub(super) fn place(&self) -> Place {
-        self.place
-    }
-
     pub(super) fn element(&mut self, element: PathElement) {
         self.items.push_back(Ok(Item::Element(element)));
     }
@@ -42,7 +36,8 @@ impl Output {
         self.items.push_back(Ok(Item::Warning(diagnostic)));
     }
 
-    pub(super) fn error(&mut self, columns: Option<Range<usize>>, error: DecodeError) {
+    pub(super) fn error(&mut self, problem: impl Into<Problem>) {
+        let Problem { columns, error } = problem.into();
         let diagnostic = self.diagnostic(columns, error);
         self.items.push_back(Err(diagnostic.into()));
     }
@@ -79,11 +74,6 @@ impl Output {
     }
 
     fn diagnostic(&self, columns: Option<Range<usize>>, error: DecodeError) -> Diagnostic {
-        let (place, own) = (self.place, columns);
-        let Some((file, line)) = &self.file else {
-            return Diagnostic { place, columns: own, error };
-        };
-        let error = DecodeError::InFile { file: file.clone(), line: *line, error: Box::new(error) };
-        Diagnostic { place, columns: None, error }
+        Diagnostic { place: self.place, columns, error }
     }
 }

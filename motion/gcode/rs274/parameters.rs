@@ -92,16 +92,16 @@ type Names = HashMap<Box<[u8]>, f64>;
 pub(super) struct Parameters {
     numbered: Vec<f64>,
     global: Names,
-    /// Those of the program and of each subroutine in work.
+    /// Those of the program and of each open subroutine.
     local: Vec<Names>,
-    /// Line of the block at hand.
+    /// Line of the current block.
     pub(super) line: u32,
     /// Value of the last RETURN or ENDSUB, if it had one.
     pub(super) returned: Option<f64>,
 }
 
-impl Parameters {
-    pub(super) fn new() -> Self {
+impl Default for Parameters {
+    fn default() -> Self {
         Self {
             numbered: vec![0.0; usize::from(LAST) + 1],
             global: Names::new(),
@@ -110,7 +110,9 @@ impl Parameters {
             returned: None,
         }
     }
+}
 
+impl Parameters {
     fn get(&self, number: u16) -> f64 {
         self.numbered.get(usize::from(number)).copied().unwrap_or_default()
     }
@@ -142,7 +144,7 @@ impl Parameters {
         Some(values)
     }
 
-    /// Number of subroutines in work.
+    /// Number of open subroutines.
     pub(super) fn depth(&self) -> usize {
         self.local.len() - 1
     }
@@ -258,21 +260,16 @@ impl State {
             b"feed_hold" => truth(self.overrides.hold),
             b"feed" => self.feed_word,
             b"rpm" => self.speed.unwrap_or_default(),
-            b"x" => self.numbered(5420),
-            b"y" => self.numbered(5421),
-            b"z" => self.numbered(5422),
-            b"a" => self.numbered(5423),
-            b"b" => self.numbered(5424),
-            b"c" => self.numbered(5425),
-            b"u" => self.numbered(5426),
-            b"v" => self.numbered(5427),
-            b"w" => self.numbered(5428),
             b"current_tool" => f64::from(self.tool),
             b"selected_tool" => self.selected_tool.map_or(0.0, f64::from),
             b"value" => self.parameters.returned.unwrap_or_default(),
             b"value_returned" => truth(self.parameters.returned.is_some()),
             #[expect(clippy::cast_precision_loss, reason = "few")]
             b"call_level" => self.parameters.depth() as f64,
+            [letter] => {
+                let axis = b"xyzabcuvw".iter().position(|axis| axis == letter)?;
+                self.compensated_program()[axis]
+            }
             _ => return None,
         })
     }

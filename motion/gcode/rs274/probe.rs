@@ -5,6 +5,7 @@ use super::error::{DecodeError, Problem};
 use super::options::Position;
 use super::output::Output;
 use super::state::State;
+use super::tool_table::ToolTable;
 use super::word::FeedMode;
 use std::fmt;
 use std::sync::Arc;
@@ -23,6 +24,8 @@ pub struct ProbePath {
     /// From the tip of the tool in force (G43) to the point whose path it is, m: what to take off both positions for
     /// those of the tip.
     pub point_from_tip: [f64; 3],
+    /// Number of the tool in the spindle, 0 = none.
+    pub tool: u32,
     /// Velocity along the path, m/s, or a thousandth of degrees/s where only rotary axes move.
     pub feed: f64,
     /// Trip that ends it.
@@ -43,17 +46,22 @@ pub trait ProbeTarget: fmt::Debug {
 /// Surroundings of the tool, for every decoder that reads the program: each asks a [`ProbeTarget`] of its own, so that
 /// all of them get the same answers.
 #[derive(Clone)]
-pub struct Surroundings(Arc<dyn Fn() -> Box<dyn ProbeTarget> + Send + Sync>);
+pub struct Surroundings(Arc<Maker>);
+
+/// Makes the target of a program with these tools.
+type Maker = dyn Fn(&ToolTable) -> Box<dyn ProbeTarget> + Send + Sync;
 
 impl Surroundings {
-    /// Those that the targets of `make` know, as they are at the beginning of a program.
-    pub fn new<T: ProbeTarget + 'static>(make: impl Fn() -> T + Send + Sync + 'static) -> Self {
-        Self(Arc::new(move || Box::new(make())))
+    /// Those that the targets of `make` know, as they are at the beginning of a program with these tools.
+    pub fn new<T: ProbeTarget + 'static>(
+        make: impl Fn(&ToolTable) -> T + Send + Sync + 'static,
+    ) -> Self {
+        Self(Arc::new(move |tools| Box::new(make(tools))))
     }
 
-    /// A target as it is at the beginning of a program.
-    pub fn target(&self) -> Box<dyn ProbeTarget> {
-        (self.0)()
+    /// A target as it is at the beginning of a program with `tools`.
+    pub fn target(&self, tools: &ToolTable) -> Box<dyn ProbeTarget> {
+        (self.0)(tools)
     }
 }
 
@@ -105,10 +113,11 @@ impl State {
             return Ok(());
         };
         let path = ProbePath {
-            place: out.place(),
+            place: out.place,
             start: from.machine,
             end: to.machine,
             point_from_tip: self.offsets.point_from_tip(),
+            tool: self.tool,
             feed,
             trips: probing.trips,
         };

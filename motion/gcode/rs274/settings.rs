@@ -34,6 +34,11 @@ pub enum OffsetError {
         "{0} cannot be used with G43.2, which takes only H; give offsets in axis words with G43.1"
     )]
     AxisWithH(char),
+    /// G59 P of Mach3 above 9.
+    #[error(
+        "the work offset G59 P{0} is not read: there are 1 to 9 (G54 to G59.3); set one of them to its values (G10 L2 P9) and select that"
+    )]
+    System(u32),
     /// An arc in G18 or G19 in a rotated coordinate system.
     #[error(
         "arcs in G18 and G19 are not supported in a coordinate system that is rotated by {} degrees; use G17, or a system without rotation (G10 L2 R0)",
@@ -46,7 +51,7 @@ pub enum OffsetError {
 const MAX_ANGLE: f64 = 1e9;
 const MAX_LENGTH: f64 = 1e3;
 /// The largest number of a tool's orientation, and of a coordinate system.
-const MAX_DIGIT: u32 = 9;
+const MAX_DIGIT: f64 = 9.0;
 
 impl State {
     /// The axis words of `block`, m and degrees.
@@ -112,27 +117,28 @@ impl State {
 
     /// G10.
     fn set_data(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        let kind = block.whole_at(Letter::L, 0)?;
+        let kind = block.whole(Letter::L, 0)?;
         match kind {
-            // Reads the tool table again, which nobody has changed.
+            // Reads the tool table again, which has not changed.
             Some(0) if self.tool != 0 => {
-                Err(at(block, Letter::L, OffsetError::LoadedTool(self.tool).into()))
+                Err(block.at(Letter::L, OffsetError::LoadedTool(self.tool)))
             }
             Some(0) => Ok(()),
             Some(l @ (1 | 10 | 11)) => self.set_tool_data(l, block, out),
             Some(l @ (2 | 20)) => self.set_system_data(l, block),
-            _ => Err(at(block, Letter::L, OffsetError::Kind(kind).into())),
+            _ => Err(block.at(Letter::L, OffsetError::Kind(kind))),
         }
     }
 
     /// G10 L2 and L20.
     fn set_system_data(&mut self, l: u32, block: &Block) -> Result<(), Problem> {
-        let system = digit(block, Letter::P)?.ok_or_else(|| missing_number(l))?;
+        let system =
+            block.whole_within(Letter::P, [0.0, MAX_DIGIT])?.ok_or_else(|| missing_number(l))?;
         let unused =
             if l == 2 { &[Letter::I, Letter::J][..] } else { &[Letter::I, Letter::J, Letter::R] };
         for letter in unused {
             if block.get(*letter).is_some() {
-                return Err(at(block, *letter, DecodeError::UnusedWord(letter.as_char())));
+                return Err(block.at(*letter, DecodeError::UnusedWord(letter.as_char())));
             }
         }
         let system = self.offsets.system_of(system);
@@ -149,13 +155,12 @@ impl State {
 
     /// G10 L1, L10 and L11.
     fn set_tool_data(&mut self, l: u32, block: &Block, out: &mut Output) -> Result<(), Problem> {
-        const USED: Letters =
-            Letters::AXES.with(Letters::of(&[Letter::I, Letter::J, Letter::Q, Letter::R]));
-        let number = block.whole_at(Letter::P, 1)?;
+        const USED: Letters = Letters::AXES.with(Letters::of("IJQR"));
+        let number = block.whole(Letter::P, 1)?;
         let number = number.ok_or_else(|| missing_number(l))?;
         let mut tool = self.find_tool(number, Letter::P, block, out)?;
         if !block.letters().meets(USED) {
-            return Err(DecodeError::from(OffsetError::NothingToSet(l)).into());
+            return Err(OffsetError::NothingToSet(l).into());
         }
         let values = self.axis_values(block)?;
         let mut offset = tool.position();
@@ -176,7 +181,8 @@ impl State {
         }
         tool.front_angle = block.get(Letter::I).unwrap_or(tool.front_angle);
         tool.back_angle = block.get(Letter::J).unwrap_or(tool.back_angle);
-        tool.orientation = digit(block, Letter::Q)?
+        tool.orientation = block
+            .whole_within(Letter::Q, [0.0, MAX_DIGIT])?
             .and_then(|digit| u8::try_from(digit).ok())
             .unwrap_or(tool.orientation);
         self.tools.get_or_insert_default().insert(tool);
@@ -195,15 +201,15 @@ impl State {
         block: &Block,
         out: &mut Output,
     ) -> Result<Tool, Problem> {
-        let columns = || block.get(letter).and_then(|_| block.columns(letter));
         if let Some(tool) = self.tools.as_ref().and_then(|tools| tools.get(number)) {
             return Ok(*tool);
         }
         if !self.assumes_tools && number != 0 {
-            return Err(Problem { columns: columns(), error: DecodeError::UnknownTool(number) });
+            return Err(block.at(letter, DecodeError::UnknownTool(number)));
         }
         if number != 0 && block.g.tool_length.is_some() {
-            out.warning(columns(), DecodeError::NoToolTable(number));
+            let columns = block.get(letter).and_then(|_| block.columns(letter));
+            out.warning(columns, DecodeError::NoToolTable(number));
         }
         Ok(Tool { number, ..Tool::default() })
     }
@@ -237,7 +243,7 @@ impl State {
         out: &mut Output,
     ) -> Result<(), Problem> {
         let Some(kind) = block.g.tool_length else { return Ok(()) };
-        let named = block.whole_at(Letter::H, 0)?;
+        let named = block.whole(Letter::H, 0)?;
         let mut offset = *self.offsets.tool();
         match kind {
             ToolLength::Off => offset = Position::default(),
@@ -250,8 +256,7 @@ impl State {
             ToolLength::Added => {
                 let mut axes = Letter::AXES.into_iter();
                 if let Some(letter) = axes.find(|letter| block.get(*letter).is_some()) {
-                    let error = OffsetError::AxisWithH(letter.as_char());
-                    return Err(at(block, letter, error.into()));
+                    return Err(block.at(letter, OffsetError::AxisWithH(letter.as_char())));
                 }
                 let number = named.ok_or_else(|| {
                     DecodeError::missing("G43.2", "H, the tool whose offset is added")
@@ -275,22 +280,9 @@ impl State {
     }
 }
 
-fn at(block: &Block, letter: Letter, error: DecodeError) -> Problem {
-    Problem { columns: block.get(letter).and_then(|_| block.columns(letter)), error }
-}
-
 fn missing_number(l: u32) -> DecodeError {
     let system = "of the coordinate system (1 for G54 to 9 for G59.3, 0 for the one in force)";
     DecodeError::missing(format!("G10 L{l}"), format!("P: the number of the tool, or {system}"))
-}
-
-/// The number of a word that takes whole numbers from 0 to 9.
-fn digit(block: &Block, letter: Letter) -> Result<Option<u32>, Problem> {
-    let found = block.whole_at(letter, 0)?;
-    if found.is_some_and(|value| value > MAX_DIGIT) {
-        State::in_range(block, letter, f64::from(MAX_DIGIT))?;
-    }
-    Ok(found)
 }
 
 /// `value` if it is from -`max` to `max`.
@@ -301,12 +293,5 @@ fn limited(
     max: f64,
     unit: &'static str,
 ) -> Result<Option<f64>, Problem> {
-    match value {
-        Some(value) if value.is_nan() || value.abs() > max => {
-            let error =
-                DecodeError::OutOfRange { letter: letter.as_char(), value, min: -max, max, unit };
-            Err(at(block, letter, error))
-        }
-        value => Ok(value),
-    }
+    value.map(|value| block.within(letter, value, [-max, max], unit)).transpose()
 }

@@ -8,6 +8,7 @@ use crate::lines;
 use std::fs;
 use std::io::{self, BufRead};
 use std::path::PathBuf;
+use twin_path::{FileLine, FilePath};
 
 /// The largest subroutine file that is read, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 24;
@@ -66,7 +67,7 @@ impl Lines {
 /// A file with subroutines.
 #[derive(Debug)]
 struct File {
-    path: PathBuf,
+    path: FilePath,
     lines: Lines,
 }
 
@@ -168,7 +169,7 @@ impl<R: BufRead> Source<R> {
         }
         let paths = self.folders.iter().map(|folder| folder.join(format!("{name}.ngc")));
         let Some(path) = paths.into_iter().find(|path| path.is_file()) else { return Ok(None) };
-        if let Some(open) = self.files.iter().position(|file| file.path == path) {
+        if let Some(open) = self.files.iter().position(|file| file.path.path() == path) {
             return Ok(Some(open));
         }
         let text = lines::read_file(fs::File::open(&path)?, MAX_FILE_BYTES)?;
@@ -178,13 +179,13 @@ impl<R: BufRead> Source<R> {
         }
         let mut lines = Lines::default();
         lines::lines(&text).for_each(|line| lines.push(line));
-        self.files.push(File { path, lines });
+        self.files.push(File { path: FilePath::new(&path), lines });
         Ok(Some(self.files.len() - 1))
     }
 
-    /// Name of a subroutine file.
-    pub(super) fn file_name(&self, file: FileNumber) -> String {
-        let name = self.files.get(file).and_then(|file| file.path.file_name());
-        name.unwrap_or_default().to_string_lossy().into_owned()
+    /// The line before `spot`, if it is in a subroutine file.
+    pub(super) fn line_of(&self, spot: Spot) -> Option<FileLine> {
+        let file = self.files.get(spot.file?)?.path;
+        Some(FileLine { file, line: spot.line })
     }
 }

@@ -25,7 +25,7 @@ impl State {
         let uses = block.m.spindle.is_some()
             || block.get(Letter::S).is_some()
             || matches!(motion, Some(Motion::Thread(_)));
-        if uses { Letters::of(&[Letter::SPINDLE]) } else { Letters::default() }
+        if uses { Letters::of("$") } else { Letters::default() }
     }
 
     /// Checks that `$` is the only spindle, or all of them (-1) where LinuxCNC takes that.
@@ -49,8 +49,7 @@ impl State {
         if number == 0.0 || takes_all && number + 1.0 == 0.0 {
             return Ok(());
         }
-        let error = DecodeError::Spindle { number, takes_all };
-        Err(Problem { columns: block.columns(Letter::SPINDLE), error })
+        Err(block.at(Letter::SPINDLE, DecodeError::Spindle { number, takes_all }))
     }
 
     /// G96, G97 and S.
@@ -92,11 +91,14 @@ impl State {
         }
     }
 
-    /// The spindle along the element that ends here, if elements carry it; with G96 the speed is that of its end.
+    /// The spindle along the element that ends here, if elements carry it; with G96 the speed is that of its end, of a
+    /// thread the lowest.
     pub(super) fn spindle_along(&self) -> Option<Spindle> {
         let speed = self.speed.filter(|_| self.keep_words);
-        let speed = speed.map(|_| self.speed_at(self.location.program[0]))?;
-        speed.is_finite().then_some(Spindle { speed, synchronized: self.synchronized })
+        let at_end = || self.speed_at(self.location.program[0]);
+        let speed = speed.map(|_| self.synchronized.unwrap_or_else(at_end))?;
+        let synchronized = self.synchronized.is_some();
+        speed.is_finite().then_some(Spindle { speed, synchronized })
     }
 
     /// Lowest speed of the spindle on the straight line to `to`, revolutions per minute.

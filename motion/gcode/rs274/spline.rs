@@ -48,14 +48,12 @@ pub(super) struct Nurbs {
 impl Spline {
     /// The words that it takes next to those of every block.
     pub(super) fn words(self) -> Letters {
-        const PLANE: Letters = Letters::of(&[Letter::X, Letter::Y]);
-        const START: Letters = Letters::of(&[Letter::I, Letter::J]);
+        const PLANE: Letters = Letters::of("XY");
+        const START: Letters = Letters::of("IJ");
         match self {
-            Self::Cubic => {
-                PLANE.with(START).with(Letters::POLAR).with(Letters::of(&[Letter::P, Letter::Q]))
-            }
+            Self::Cubic => PLANE.with(START).with(Letters::POLAR).with(Letters::of("PQ")),
             Self::Quadratic => PLANE.with(START).with(Letters::POLAR),
-            Self::Nurbs => PLANE.with(Letters::of(&[Letter::P, Letter::L])),
+            Self::Nurbs => PLANE.with(Letters::of("PL")),
         }
     }
 }
@@ -73,9 +71,12 @@ impl State {
         }
         self.check_exit(false)?;
         let to = self.target(block, self.relative)?;
-        let result = self.control_points(spline, block, &to);
-        match result {
-            Ok(points) => self.cut_spline(&points, to, block.get(Letter::F), out),
+        match self.control_points(spline, block, &to) {
+            Ok(points) => {
+                let points: Vec<_> = points.into_iter().map(|point| (point, 1.0)).collect();
+                let spline = BSpline::clamped(points.len() - 1, &points);
+                self.cut_cubics(spline, to, block.get(Letter::F), out)
+            }
             Err(problem) => {
                 // The blocks after it continue where it was to end.
                 self.location = to;
@@ -123,20 +124,17 @@ impl State {
         let start = Point3::from(self.location.machine.linear);
         let corner = pair(Spline::Nurbs, block, [Letter::X, Letter::Y])?;
         let weight = block.get(Letter::P);
-        if let Some(value) = weight.filter(|it| !(1.0 / MAX_WEIGHT..=MAX_WEIGHT).contains(it)) {
-            let (min, max) = (1.0 / MAX_WEIGHT, MAX_WEIGHT);
-            let error = DecodeError::OutOfRange { letter: 'P', value, min, max, unit: "" };
-            return Err(Problem { columns: block.columns(Letter::P), error });
+        if let Some(value) = weight {
+            block.within(Letter::P, value, [1.0 / MAX_WEIGHT, MAX_WEIGHT], "")?;
         }
         if self.nurbs.is_some() && corner.is_none() && weight.is_some() {
-            let columns = block.columns(Letter::P);
-            return Err(Problem { columns, error: DecodeError::WeightOfStart });
+            return Err(block.at(Letter::P, DecodeError::WeightOfStart));
         }
         if weight.is_none() && (self.nurbs.is_some() || corner.is_some()) {
             return Err(DecodeError::missing("each control point of G5.2", "its weight P").into());
         }
         Self::in_range(block, Letter::L, MAX_ORDER)?;
-        let order = block.whole_at(Letter::L, 0)?.unwrap_or(0);
+        let order = block.whole(Letter::L, 0)?.unwrap_or(0);
         let next = match corner {
             Some(_) => Some(Point3::from(self.target(block, self.relative)?.machine.linear)),
             None => None,
@@ -167,18 +165,6 @@ impl State {
         let (to, f) = (self.location_at(last), block.get(Letter::F));
         let spline = BSpline::clamped(order - 1, &points);
         self.cut_cubics(spline, to, f, out)
-    }
-
-    /// Goes along the Bézier curve of `points`.
-    fn cut_spline(
-        &mut self,
-        points: &[Point3<f64>],
-        to: Location,
-        f: Option<f64>,
-        out: &mut Output,
-    ) -> Result<(), Problem> {
-        let points: Vec<_> = points.iter().map(|point| (*point, 1.0)).collect();
-        self.cut_cubics(BSpline::clamped(points.len() - 1, &points), to, f, out)
     }
 
     /// Goes along `spline` to `to`, its end.

@@ -17,7 +17,7 @@ use super::spindle::SurfaceSpeed;
 use super::spline::Nurbs;
 use super::tool_table::ToolTable;
 use super::travel::Axis;
-use super::word::{Compensate, FeedMode, Motion, OneShot, PathControl, Spline, ToolLength};
+use super::word::{Compensate, FeedMode, Motion, OneShot, PathControl, Spline, Thread, ToolLength};
 use std::ops::Range;
 use twin_path::{ElementKind, MParameters, Plane, Words};
 
@@ -43,7 +43,7 @@ impl Feed {
 }
 
 /// The interpreter between two blocks.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "modes of the language, each on or off")]
 pub(super) struct State {
     pub(super) rapid_velocity: f64,
@@ -51,10 +51,10 @@ pub(super) struct State {
     pub(super) deceleration: f64,
     pub(super) keep_empty_moves: bool,
     pub(super) keep_words: bool,
-    /// Those of the block at hand.
+    /// Those of the current block.
     pub(super) words: Words,
-    /// The move at hand follows the angle of the spindle.
-    pub(super) synchronized: bool,
+    /// Speed with which the current move follows the angle of the spindle, revolutions per minute.
+    pub(super) synchronized: Option<f64>,
     /// Refuses what LinuxCNC refuses.
     pub(super) strict: bool,
     /// The control that the program is meant for.
@@ -114,7 +114,7 @@ pub(super) struct State {
     /// Mist (M7) and flood (M8).
     pub(super) coolant: [bool; 2],
     pub(super) overrides: Overrides,
-    /// States saved by M70 and M73: of the program, then of each subroutine in work.
+    /// States saved by M70 and M73: of the program, then of each open subroutine.
     pub(super) saved: Vec<Saved>,
     pub(super) selected_tool: Option<u32>,
     pub(super) tool: u32,
@@ -125,69 +125,33 @@ impl State {
     pub(super) fn new(options: DecoderOptions) -> Self {
         let offsets = Offsets::new(&options);
         let location = Location::new(options.start, &offsets, options.units);
-        let mut parameters = Parameters::new();
-        for (number, value) in options.parameters.iter() {
-            parameters.set(number, value);
-        }
         let mut state = Self {
             rapid_velocity: options.rapid_velocity,
             acceleration: options.acceleration,
             deceleration: options.deceleration,
             keep_empty_moves: options.keep_empty_moves,
             keep_words: options.keep_words,
-            words: Words::default(),
-            synchronized: false,
             strict: options.strict,
             control: options.control,
             numbers_of: options.numbers_of.or(options.control),
             assumes_tools: options.tools.is_none(),
+            probe_target: options.surroundings.map(|surroundings| {
+                surroundings.target(options.tools.as_ref().unwrap_or(&ToolTable::default()))
+            }),
             tools: options.tools,
-            probe_target: options.surroundings.map(|surroundings| surroundings.target()),
             probe_settle_ns: options.probe_settle_ns,
             offsets,
             location,
-            compensation: Compensation::default(),
-            path_end: None,
             extra: options.start.extra_axes().iter().any(|position| *position != 0.0),
-            shared: None,
             units: options.units,
-            plane: Plane::Xy,
-            parallel_plane: false,
-            motion: Motion::Off,
-            motion_given: false,
-            relative: false,
-            absolute_centers: false,
-            diameters: false,
-            feed_mode: FeedMode::default(),
-            initial_level: false,
-            path_mode: PathMode::default(),
-            feed: None,
-            feed_word: 0.0,
-            feed_given: false,
-            feed_reported: false,
-            uncertain: Letters::default(),
-            series: Series::default(),
-            spline_start: [0.0; 2],
-            nurbs: None,
-            speed: None,
-            surface_speed: None,
-            spindle: None,
-            coolant: [false; 2],
-            overrides: Overrides::default(),
-            saved: Vec::new(),
-            selected_tool: None,
             tool: options.tool,
-            parameters,
+            ..Self::default()
         };
+        for (number, value) in options.parameters.iter() {
+            state.parameters.set(number, value);
+        }
         state.load_tool(options.tool);
         state
-    }
-
-    fn remark(&self, leniency: Leniency, columns: Option<Range<usize>>, out: &mut Output) {
-        match self.control {
-            Some(control) => control::forgive(control, leniency, columns, out),
-            None => out.remark(columns, DecodeError::Lenient(leniency), false),
-        }
     }
 
     /// Passes over what LinuxCNC refuses, with a warning.
@@ -203,7 +167,10 @@ impl State {
         if self.strict {
             return Err(Problem { columns, error: leniency.refusal() });
         }
-        self.remark(leniency, columns, out);
+        match self.control {
+            Some(control) => control::forgive(control, leniency, columns, out),
+            None => out.remark(columns, DecodeError::Lenient(leniency), false),
+        }
         Ok(())
     }
 
@@ -218,11 +185,6 @@ impl State {
         if let Some(motion) = block.g.motion {
             self.set_motion(motion);
         }
-    }
-
-    /// A missing F has been reported.
-    pub(super) fn forgive_missing_feed(&mut self) {
-        self.feed_reported = true;
     }
 
     /// Does what a block asks for; false if the program ends with it.
@@ -278,7 +240,7 @@ impl State {
             self.set_motion(motion);
         }
         if let Some(motion) = motion {
-            self.assume_feed(motion, block, out);
+            self.assume_feed(motion, block, out)?;
             let cartesian;
             let block = if block.letters().meets(Letters::POLAR) {
                 cartesian = self.without_polar(block)?;
@@ -360,11 +322,11 @@ impl State {
 
     /// Checks that each word of `block` has something to act on.
     fn check_words(&self, block: &Block, motion: Option<Motion>) -> Result<(), Problem> {
-        const PLAIN: Letters = Letters::AXES.with(Letters::of(&[Letter::F, Letter::S, Letter::T]));
+        const PLAIN: Letters = Letters::AXES.with(Letters::of("FST"));
         let mut used = PLAIN.with(m_letters(block));
         match motion {
             Some(Motion::Arc { .. }) => {
-                used = used.with(Letters::CENTER).with(Letters::of(&[Letter::P, Letter::R]));
+                used = used.with(Letters::CENTER).with(Letters::of("PR"));
             }
             Some(Motion::Spline(spline)) => {
                 used = used.without(Letters::AXES).with(spline.words());
@@ -378,52 +340,32 @@ impl State {
                 used = used.without(Letters::ROTARY.with(other)).with(cycle.words());
             }
             Some(Motion::Thread(thread)) => {
-                used = thread.words().with(Letters::of(&[Letter::S, Letter::T]));
+                used = thread.words().with(Letters::of("ST"));
             }
             _ => {}
         }
         used = used.with(Self::spindle_words(block, motion));
-        if block.g.one_shot == Some(OneShot::Dwell) {
-            used = used.with(Letters::of(&[Letter::P]));
-        }
-        if block.g.path_control == Some(PathControl::Blend) {
-            used = used.with(Letters::of(&[Letter::P, Letter::Q]));
-        }
-        if matches!(block.g.compensation, Some(Compensate::Diameter { .. })) {
-            // LinuxCNC passes over it.
-            used = used.with(Letters::of(&[Letter::R]));
-        }
-        if block.g.compensation.is_some_and(|word| word != Compensate::Off) {
-            used = used.with(Letters::of(&[Letter::D, Letter::L]));
-        }
-        if matches!(block.g.tool_length, Some(ToolLength::Table | ToolLength::Added)) {
-            used = used.with(Letters::of(&[Letter::H]));
-        }
-        if block.g.surface_speed == Some(true) {
-            used = used.with(Letters::of(&[Letter::D]));
-        }
-        if block.m.spindle == Some(19) {
-            used = used.with(Letters::of(&[Letter::P, Letter::Q, Letter::R]));
-        }
-        if block.g.one_shot == Some(OneShot::SetData) {
-            used = used.with(Letters::of(&[
-                Letter::I,
-                Letter::J,
-                Letter::L,
-                Letter::P,
-                Letter::Q,
-                Letter::R,
-            ]));
-        }
-        if block.m.tool_change == Some(61) {
-            used = used.with(Letters::of(&[Letter::Q]));
-        }
+        let (g, m) = (&block.g, &block.m);
+        let mut takes = |is_there: bool, letters: &str| {
+            if is_there {
+                used = used.with(Letters::of(letters));
+            }
+        };
+        takes(g.one_shot == Some(OneShot::Dwell), "P");
+        takes(g.path_control == Some(PathControl::Blend), "PQ");
+        // LinuxCNC passes over it.
+        takes(matches!(g.compensation, Some(Compensate::Diameter { .. })), "R");
+        takes(g.compensation.is_some_and(|word| word != Compensate::Off), "DL");
+        takes(matches!(g.tool_length, Some(ToolLength::Table | ToolLength::Added)), "H");
+        takes(g.surface_speed == Some(true), "D");
+        takes(m.spindle == Some(19), "PQR");
+        takes(g.one_shot == Some(OneShot::SetData), "IJLPQR");
+        takes(m.tool_change == Some(61), "Q");
         if let Some(letter) = block.letters().without(used).first() {
-            let error = DecodeError::UnusedWord(letter.as_char());
-            return Err(Problem { columns: block.columns(letter), error });
+            return Err(block.at(letter, DecodeError::UnusedWord(letter.as_char())));
         }
         if block.letters().meets(Letters::POLAR) {
-            let coordinates = Letters::of(&[Letter::X, Letter::Y]);
+            let coordinates = Letters::of("XY");
             if motion.is_none() || block.g.one_shot.is_some_and(|shot| shot != OneShot::Dwell) {
                 return Err(DecodeError::PolarWithoutMotion.into());
             }
@@ -451,13 +393,7 @@ impl State {
         letter: Letter,
         max: f64,
     ) -> Result<Option<f64>, Problem> {
-        let Some(value) = block.get(letter) else { return Ok(None) };
-        if (0.0..=max).contains(&value) {
-            return Ok(Some(value));
-        }
-        let error =
-            DecodeError::OutOfRange { letter: letter.as_char(), value, min: 0.0, max, unit: "" };
-        Err(Problem { columns: block.columns(letter), error })
+        block.get(letter).map(|value| block.within(letter, value, [0.0, max], "")).transpose()
     }
 
     fn set_feed(&mut self, block: &Block) -> Result<(), Problem> {
@@ -479,16 +415,22 @@ impl State {
     }
 
     /// Gives a program that has set none a feed.
-    fn assume_feed(&mut self, motion: Motion, block: &Block, out: &mut Output) {
+    fn assume_feed(
+        &mut self,
+        motion: Motion,
+        block: &Block,
+        out: &mut Output,
+    ) -> Result<(), Problem> {
         let needs_none = matches!(motion, Motion::Rapid | Motion::Off | Motion::Thread(_));
         if self.feed_given || self.strict || needs_none || self.feed_mode != FeedMode::PerMinute {
-            return;
+            return Ok(());
         }
         self.feed = Some(Feed::ASSUMED);
         // An F that could not be read has been reported.
-        if !self.feed_reported {
-            self.remark(Leniency::NoFeed, block.last_columns(), out);
+        if self.feed_reported {
+            return Ok(());
         }
+        self.forgive(Leniency::NoFeed, block.last_columns(), out)
     }
 
     fn set_tool_and_speed(&mut self, block: &Block, out: &mut Output) -> Result<(), Problem> {
@@ -602,7 +544,7 @@ impl State {
     }
 }
 
-/// The axes that a block names; a canned cycle names the normal of its plane too, a thread X, Y and Z.
+/// The axes that a block names; a canned cycle names the normal of its plane too, G76 X and Z.
 fn words_of(block: &Block, motion: Option<Motion>, axes: [Axis; 3]) -> Words {
     let [.., normal] = axes;
     let letters = block.letters();
@@ -611,7 +553,7 @@ fn words_of(block: &Block, motion: Option<Motion>, axes: [Axis; 3]) -> Words {
         Letter::AXES.get(axis).is_some_and(|letter| letters.contains(*letter))
             || (polar && axis < 2)
             || (matches!(motion, Some(Motion::Cycle(_))) && axis == normal.index)
-            || (matches!(motion, Some(Motion::Thread(_))) && axis < 3)
+            || (motion == Some(Motion::Thread(Thread::Cycle)) && matches!(axis, 0 | 2))
     };
     Words { named: std::array::from_fn(names), ..Words::default() }
 }

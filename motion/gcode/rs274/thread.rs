@@ -27,17 +27,9 @@ impl Thread {
     /// The words of the motion; those of axes are among them.
     pub(super) fn words(self) -> Letters {
         match self {
-            Self::Straight => Letters::AXES.with(Letters::of(&[Letter::K])),
-            Self::RigidTap => AXES.with(Letters::of(&[Letter::I, Letter::K])),
-            Self::Cycle => AXES.with(Letters::CENTER).with(Letters::of(&[
-                Letter::E,
-                Letter::F,
-                Letter::H,
-                Letter::L,
-                Letter::P,
-                Letter::Q,
-                Letter::R,
-            ])),
+            Self::Straight => Letters::AXES.with(Letters::of("K")),
+            Self::RigidTap => AXES.with(Letters::of("IK")),
+            Self::Cycle => AXES.with(Letters::CENTER).with(Letters::of("EFHLPQR")),
         }
     }
 }
@@ -98,8 +90,7 @@ impl State {
         if let Some((letter, _)) = extra.find(|(_, (from, to))| from != to)
             && thread != Thread::Straight
         {
-            let error = DecodeError::UnusedWord(letter.as_char());
-            return Err(Problem { columns: block.columns(letter), error });
+            return Err(block.at(letter, DecodeError::UnusedWord(letter.as_char())));
         }
         let code = format!("G{}", motion.number());
         let missing = |letter: Letter| DecodeError::missing(&code, letter.as_char());
@@ -147,9 +138,9 @@ impl State {
             );
         }
         let shape = self.line_to(&to);
-        self.synchronized = true;
+        self.synchronized = Some(speed);
         self.go(ElementKind::Cut, shape, self.units.to_metres(feed) / 60.0, to, out);
-        self.synchronized = false;
+        self.synchronized = None;
         Ok(())
     }
 
@@ -162,8 +153,7 @@ impl State {
         [peak, first, height]: [f64; 3],
     ) -> Result<Turning, Problem> {
         if peak == 0.0 {
-            let columns = block.columns(Letter::I);
-            return Err(Problem { columns, error: DecodeError::ThreadWithoutPeak });
+            return Err(block.at(Letter::I, DecodeError::ThreadWithoutPeak));
         }
         block.check_above("G76", Letter::J, first, 0.0)?;
         block.check_above("G76", Letter::K, height, first)?;

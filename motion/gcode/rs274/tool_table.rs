@@ -5,6 +5,7 @@
 //! T1 P1 Z51.125 D6.35 ;quarter inch end mill
 //! ```
 
+use super::block::Letter;
 use super::{LengthUnit, Position};
 use crate::{lines, number};
 use std::io::{self, Read};
@@ -112,11 +113,7 @@ impl ToolTable {
     /// Adds `tool`, or replaces the one with its number.
     pub fn insert(&mut self, tool: Tool) {
         match self.tools.binary_search_by_key(&tool.number, |tool| tool.number) {
-            Ok(index) => {
-                if let Some(slot) = self.tools.get_mut(index) {
-                    *slot = tool;
-                }
-            }
+            Ok(index) => self.tools[index] = tool,
             Err(index) => self.tools.insert(index, tool),
         }
     }
@@ -165,7 +162,7 @@ impl ToolTable {
 fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolTableError> {
     let text = text.split(|byte| *byte == b';').next().unwrap_or_default();
     let mut tool = Tool::default();
-    let (mut number, mut empty) = (None, true);
+    let (mut number, mut empty, mut axes) = (None, true, [0.0; 9]);
     for word in text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
         let [letter, digits @ ..] = word else { continue };
         empty = false;
@@ -184,28 +181,18 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
         if limited.is_nan() || limited.abs() > 1.0 {
             return Err(ToolTableError::OutOfRange { line, letter, value });
         }
-        let [x, y, z] = &mut tool.offset;
-        let [a, b, c] = &mut tool.rotary_offset;
-        let [u, v, w] = &mut tool.parallel_offset;
+        if let Some(axis) = Letter::AXES.iter().position(|axis| axis.as_char() == letter) {
+            axes[axis] = if matches!(letter, 'A'..='C') { value } else { length };
+        }
         match letter {
             'T' => number = whole(value),
-            'X' => *x = length,
-            'Y' => *y = length,
-            'Z' => *z = length,
-            'A' => *a = value,
-            'B' => *b = value,
-            'C' => *c = value,
-            'U' => *u = length,
-            'V' => *v = length,
-            'W' => *w = length,
             'D' => tool.diameter = length,
             'I' => tool.front_angle = value,
             'J' => tool.back_angle = value,
             'Q' => {
                 let orientation = whole(value).and_then(|number| u8::try_from(number).ok());
-                let known = orientation.filter(|orientation| *orientation <= 9);
                 let error = ToolTableError::OutOfRange { line, letter, value };
-                tool.orientation = known.ok_or(error)?;
+                tool.orientation = orientation.ok_or(error)?;
             }
             _ => {}
         }
@@ -214,6 +201,7 @@ fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolT
         return Ok(None);
     }
     tool.number = number.ok_or(ToolTableError::ToolNumber(line))?;
+    tool.set_position(&Position::from_axes(axes));
     Ok(Some(tool))
 }
 

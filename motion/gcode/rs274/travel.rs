@@ -136,7 +136,7 @@ impl State {
                 self.interrupt_compensation(out);
                 self.location = to;
                 let [first, second, _] = self.axes().map(|axis| axis.letter);
-                let in_doubt = uncertain.meets(Letters::of(&[first, second]));
+                let in_doubt = uncertain.contains(first) || uncertain.contains(second);
                 if in_doubt && problem.error.depends_on_start() { Ok(()) } else { Err(problem) }
             }
         }
@@ -174,7 +174,7 @@ impl State {
         if let Some(degrees) = self.offsets.rotation()
             && self.plane != Plane::Xy
         {
-            return Err(DecodeError::from(OffsetError::RotatedArc(degrees)).into());
+            return Err(OffsetError::RotatedArc(degrees).into());
         }
         let turns = block.whole(Letter::P, 1)?.unwrap_or(1);
         let ends = Ends {
@@ -193,7 +193,7 @@ impl State {
                 return Err(DecodeError::RadiusWithoutEnd.into());
             }
             let radius = self.units.to_metres(radius);
-            in_range(block, Letter::R, radius, MAX_RADIUS, " m")?;
+            block.within(Letter::R, radius, [-MAX_RADIUS, MAX_RADIUS], " m")?;
             ends.by_radius(radius)?
         } else {
             let center = self.center(block, [first, second, normal], out)?;
@@ -228,8 +228,8 @@ impl State {
                 }
                 None => 0.0,
             };
-            in_range(block, axis.center, word, MAX_RADIUS, " m")?;
-            center[axis.index] = word;
+            center[axis.index] =
+                block.within(axis.center, word, [-MAX_RADIUS, MAX_RADIUS], " m")?;
         }
         let center = Point3::from(center);
         Ok(if self.absolute_centers {
@@ -326,11 +326,6 @@ impl State {
         if self.uncertain != Letters::default() && !self.relative {
             self.uncertain = self.uncertain.without(block.letters());
         }
-    }
-
-    /// Doubts where the axes are, behind a block that could not be read.
-    pub(super) fn mark_uncertain(&mut self) {
-        self.uncertain = self.uncertain.with(Letters::LINEAR);
     }
 
     /// Goes straight to `to` with the velocity of rapids.
@@ -505,7 +500,7 @@ impl State {
             acceleration: self.acceleration,
             deceleration: self.deceleration,
             details,
-            ..PathElement::new(out.place(), kind, shape)
+            ..PathElement::new(out.place, kind, shape)
         });
     }
 }
@@ -524,7 +519,7 @@ impl State {
         let mut letters = [Letter::C, Letter::U];
         letters.sort_by_key(|letter| columns(*letter).map(|columns| columns.start));
         for letter in letters.into_iter().filter(|letter| block.get(*letter).is_some()) {
-            self.share(letter).map_err(|error| Problem { columns: columns(letter), error })?;
+            self.share(letter).map_err(|error| block.at(letter, error))?;
         }
         Ok(())
     }
@@ -628,24 +623,10 @@ fn check_position(to: &Location) -> Result<(), Problem> {
     Ok(())
 }
 
-fn position_in_range(block: &Block, axis: Letter, machine: f64) -> Result<(), Problem> {
+fn position_in_range(block: &Block, axis: Letter, machine: f64) -> Result<f64, Problem> {
     if Letters::ROTARY.contains(axis) {
-        in_range(block, axis, machine, MAX_ANGLE, "°")
+        block.within(axis, machine, [-MAX_ANGLE, MAX_ANGLE], "°")
     } else {
-        in_range(block, axis, machine, MAX_POSITION, " m")
+        block.within(axis, machine, [-MAX_POSITION, MAX_POSITION], " m")
     }
-}
-
-fn in_range(
-    block: &Block,
-    letter: Letter,
-    value: f64,
-    max: f64,
-    unit: &'static str,
-) -> Result<(), Problem> {
-    if value.abs() <= max {
-        return Ok(());
-    }
-    let error = DecodeError::OutOfRange { letter: letter.as_char(), value, min: -max, max, unit };
-    Err(Problem { columns: block.columns(letter), error })
 }

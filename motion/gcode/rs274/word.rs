@@ -5,7 +5,7 @@ use super::offsets::Home;
 use twin_path::{Plane, Probing};
 
 /// Group 1: what the axis words of this line and the following ones do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Motion {
     /// G0.
     Rapid,
@@ -25,6 +25,7 @@ pub(super) enum Motion {
     /// G73, G74 and G81 to G89.
     Cycle(Cycle),
     /// G80: nothing, axis words are errors.
+    #[default]
     Off,
 }
 
@@ -343,7 +344,7 @@ pub(super) struct MWords {
     pub(super) input_output: Option<u16>,
     /// M70 to M73.
     pub(super) modes: Option<u16>,
-    /// M100 to M199, and numbers without a meaning.
+    /// M100 to M199.
     pub(super) user: Option<u16>,
     /// M0, M1, M2, M30 or M60.
     pub(super) stop: Option<u16>,
@@ -352,7 +353,7 @@ pub(super) struct MWords {
 /// First and last number of M words, their group, and where a block keeps the number.
 type MWord = (u16, u16, MGroup, fn(&mut MWords) -> &mut Option<u16>);
 
-/// The M words, of which the first counts that fits. M98 and M99 are those of `flow/mod.rs`.
+/// The M words. M98 and M99 are those of `flow/mod.rs`.
 #[rustfmt::skip]
 const M_WORDS: [MWord; 12] = [
     ( 0,  2, MGroup::Stop,       |m| &mut m.stop),
@@ -366,7 +367,7 @@ const M_WORDS: [MWord; 12] = [
     (61, 61, MGroup::ToolChange, |m| &mut m.tool_change),
     (62, 68, MGroup::InputOutput, |m| &mut m.input_output),
     (70, 73, MGroup::Spindle,    |m| &mut m.modes),
-    ( 0, 999, MGroup::User,      |m| &mut m.user),
+    (100, 199, MGroup::User,     |m| &mut m.user),
 ];
 
 /// Error of a G or M word.
@@ -419,8 +420,7 @@ impl GWords {
 impl MWords {
     /// True if LinuxCNC knows M`number`.
     pub(super) fn knows(number: u16) -> bool {
-        let known = M_WORDS.iter().find(|(first, last, ..)| (*first..=*last).contains(&number));
-        known.is_some_and(|(.., group, _)| *group != MGroup::User) || (100..=199).contains(&number)
+        M_WORDS.iter().any(|(first, last, ..)| (*first..=*last).contains(&number))
     }
 
     /// Adds M`number`.

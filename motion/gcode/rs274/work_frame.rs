@@ -2,16 +2,11 @@
 
 use super::offsets::{Offsets, add, subtract};
 use super::options::Position;
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Point3;
 use std::array;
 
 /// Coordinates that rounding alone changes keep their number, m.
 const ROUNDING: f64 = 1e-12;
-
-/// `machine_from_work`, unless both frames are the same: numbers of the program then stay what they are.
-pub(super) fn unless_identity(machine_from_work: &Isometry3<f64>) -> Option<Isometry3<f64>> {
-    (*machine_from_work != Isometry3::identity()).then_some(*machine_from_work)
-}
 
 impl Offsets {
     /// The controlled point `point` (frame of the path, m) in the machine frame, m.

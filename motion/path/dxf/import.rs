@@ -245,7 +245,7 @@ struct Path<'a> {
 impl Path<'_> {
     fn section(&mut self, section: &Section) {
         let Some(&(_, line)) = section.pieces.first() else { return };
-        let place = Place { line, block: None };
+        let place = Place::at(line);
         let start = section.start();
         match self.options.heights {
             None if (start - self.at).norm() <= SNAP => {}
@@ -267,7 +267,7 @@ impl Path<'_> {
         let first = self.at;
         let count = section.pieces.len();
         for (index, (piece, line)) in section.pieces.iter().enumerate() {
-            let place = Place { line: *line, block: None };
+            let place = Place::at(*line);
             let piece = match self.options.heights {
                 Some(heights) => piece.at_height(heights.cut),
                 None => piece.clone(),

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let [start, end] = ends else { continue };
         let [start, end] = [start, end].map(|[x, y]| Point3::new(*x, *y, 0.0));
         let kind = if matches!(line, 1 | 6) { ElementKind::Rapid } else { ElementKind::Cut };
-        let place = Place { line, block: Some(10 * line) };
+        let place = Place { block: Some(10 * line), ..Place::at(line) };
         let mut element = PathElement::new(place, kind, Shape::Line { start, end });
         element.tool_radius = RADIUS;
         element.marks = match line {

@@ -37,7 +37,7 @@ fn cubic(cubic: Cubic) -> Shape {
 }
 
 fn element(shape: Shape) -> PathElement {
-    PathElement::new(Place { line: 3, block: Some(30) }, ElementKind::Cut, shape)
+    PathElement::new(Place { block: Some(30), ..Place::at(3) }, ElementKind::Cut, shape)
 }
 
 fn detailed(shape: Shape, details: Details) -> PathElement {

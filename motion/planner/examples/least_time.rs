@@ -49,7 +49,7 @@ fn plan(jerk: Option<f64>) -> Result<(f64, f64), Box<dyn Error>> {
         feed: 1.0,
         acceleration: 1.0,
         deceleration: 1.0,
-        ..PathElement::new(Place { line: 1, block: None }, ElementKind::Cut, shape)
+        ..PathElement::new(Place::at(1), ElementKind::Cut, shape)
     };
     let path = CheckVelocities::new(std::iter::once(Ok::<_, CheckError>(element)), 0.0);
     let limits = AxisLimits {

@@ -40,7 +40,7 @@ fuzz_target!(|program: &[u8]| {
     let control = Control::ALL.get(program.len() % 8).copied();
     for keep_empty_moves in [false, true] {
         let flow_limits = FlowLimits { jumps: JUMPS as u64, ..FlowLimits::default() };
-        let surroundings = keep_empty_moves.then(|| Surroundings::new(Sometimes::default));
+        let surroundings = keep_empty_moves.then(|| Surroundings::new(|_| Sometimes::default()));
         let options = DecoderOptions {
             keep_empty_moves,
             surroundings,

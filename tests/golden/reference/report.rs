@@ -161,6 +161,8 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
         "circles.cnc",
         "% circles\nN10 G2 I30 J0 F100 E500 E-500\nN20 G2 I30 J0\nN30 G2 I30 J0\n",
     );
+    desk.write("caller.ngc", "G21\no<far> call\nM2\n");
+    desk.write("far.ngc", "o<far> sub\nG0 X700\no<far> endsub\n");
     let vice = "examples/vice.ngc -m machines/gantry3_vice.toml --physics";
     let motors = "short.cnc -m machines/gantry3_motors.toml --physics";
     let checks = [
@@ -168,6 +170,7 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
         format!("{motors} --limits axes --variables values.toml"),
         "unfit.cnc -m machine.toml".to_owned(),
         "circles.cnc -m machines/scara2.toml".to_owned(),
+        "caller.ngc -m machine.toml".to_owned(),
         "examples/jobs/flying_shear.toml -m machines/gantry3.toml".to_owned(),
     ]
     .map(|checked| desk.twin(&format!("check {checked} --format json")).object())

@@ -57,7 +57,7 @@ impl<'m, W: Write> ClearanceCsv<'m, W> {
 
     fn write(&mut self, block: &BlockClearance) -> Result<(), csv::Error> {
         let BlockClearance { place, time_ns, nearest, .. } = block;
-        let [part, other] = nearest.parts.map(|part| self.machine.part_name(part));
+        let [part, other] = block.names(self.machine);
         let [x, y, z] = nearest.points[0].coords.into();
         let mm = |metres: f64| significant((metres * 1e9).round() * 1e-6, DIGITS);
         self.writer.write_record([

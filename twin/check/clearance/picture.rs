@@ -179,7 +179,7 @@ impl<'m> ClearancePicture<'m> {
     fn notes(&self) -> Vec<(String, Color)> {
         let mut notes = Vec::new();
         if let Some(least) = &self.least {
-            let [one, other] = least.nearest.parts.map(|part| self.machine.part_name(part));
+            let [one, other] = least.names(self.machine);
             let (distance, color, between) = if least.is_collision() {
                 (format!("{:.3} mm deep", -least.nearest.distance * 1e3), MARK, ["", "in "])
             } else {

@@ -17,13 +17,14 @@ fn machine() -> Machine {
 /// In `line` at `ms` the tool is so near to an obstacle, mm.
 fn at(line: u32, ms: i64, mm: f64, obstacle: usize) -> BlockClearance {
     BlockClearance {
-        place: Place { line, block: (line == 2).then_some(20) },
+        place: Place { block: (line == 2).then_some(20), ..Place::at(line) },
         time_ns: ms * 1_000_000,
         nearest: Clearance {
             distance: mm * 1e-3,
             parts: [Part::Tool, Part::Obstacle(obstacle)],
             points: [Point3::new(0.1, -0.2, mm * 1e-3), Point3::new(0.1, -0.2, 0.0)],
         },
+        tool: None,
         may_touch: false,
     }
 }

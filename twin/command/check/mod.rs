@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     #[arg(required = true, value_name = "PROGRAM")]
     programs: Vec<PathBuf>,
 
-    /// Check the programs in this order on one machine, as `twin run` runs them: each begins where the one before ended
+    /// Check the programs in this order on one machine, as `twin run` runs them: each begins where the one before ended, with its tool in the spindle
     #[arg(long)]
     sequence: bool,
 
@@ -72,7 +72,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "none", value_name = "none|predicted")]
     drives: Drives,
 
-    /// Also print every note and, with --drives predicted, what one lost answer of a real drive would cost
+    /// Also print every finding and note and, with --drives predicted, what one lost answer of a real drive would cost
     #[arg(short, long)]
     verbose: bool,
 
@@ -182,9 +182,9 @@ fn in_sequence(
     arguments: &Arguments,
     scenario: &Scenario,
 ) -> Result<Status, Failure> {
-    let (mut status, mut end) = (Status::Fit, None);
+    let (mut status, mut end, mut tool) = (Status::Fit, None, None);
     for program in programs {
-        let program = program?;
+        let program = program?.with_tool(tool);
         may_follow(&program, end.as_ref())?;
         let outcome = one((machine, scenario), &program, arguments, end, &MultiProgress::new())?;
         report(machine, &program, &outcome, arguments).map_err(Failure::Stdio)?;
@@ -192,6 +192,7 @@ fn in_sequence(
             status = Status::Unfit;
         }
         end = outcome.end.or(end);
+        tool = outcome.tool.or(tool);
     }
     Ok(status)
 }
@@ -278,7 +279,8 @@ pub(super) fn human(
     )?;
     // Findings go to standard error, and must not overtake it.
     out.flush()?;
-    show::findings(program, &outcome.findings, verbose);
+    let which = if verbose { show::Shown::All } else { show::Shown::Brief };
+    show::findings(program, &outcome.findings, which);
     tables(out, machine, program, outcome)
 }
 

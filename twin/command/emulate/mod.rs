@@ -73,7 +73,7 @@ struct Common {
     #[arg(long, value_name = "PATH")]
     control: Option<PathBuf>,
 
-    /// What stands around the device and what happens to it, in words of the control socket, before it starts; may be given
+    /// Surroundings of the device and events that happen to it, in words of the control socket, before it starts; may be given
     /// several times. `--with help` lists the words, `--with "help fault"` explains one
     #[arg(long, value_name = "WORDS")]
     with: Vec<String>,

@@ -4,7 +4,7 @@ use super::Failure;
 use crate::command::atomic_file::{AtomicFile, unwritable};
 use crate::command::options::unreadable;
 use crate::program::{Dialect, ProgramFile};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::Path;
 use twin_gcode::refeed::{LineLimit, Refed, RefeedError, Unrepaired};
 use twin_gcode::{din66025, rs274};
@@ -24,19 +24,26 @@ pub(super) fn check_dialect(program: &ProgramFile) -> Result<(), Failure> {
 pub(super) fn write(
     program: &ProgramFile,
     machine: &Machine,
-    limits: Vec<LineLimit>,
+    limits: &[LineLimit],
     target: &Path,
 ) -> Result<Refed, Failure> {
-    let reader =
-        text::lines_of(program.path()).map_err(|error| unreadable(program.path(), error))?;
+    let failed = |error| unreadable(program.path(), error);
+    let lines = || text::lines_of(program.path()).map_err(failed);
     let mut out = AtomicFile::create(target)?;
-    let limits = limits.into_iter().map(Ok);
+    let limits = limits.iter().copied().map(Ok);
     let refed = if program.dialect() == Dialect::Rs274 {
         let options = program.rs274_options(&machine.conditions);
-        rs274::refeed(reader, &options, limits, &mut out)
+        let once = rs274::refeed(lines()?, &options, [], io::sink());
+        if matches!(once, Err(RefeedError::Repeated(_))) {
+            let mut whole = Vec::new();
+            lines()?.read_to_end(&mut whole).map_err(failed)?;
+            rs274::refeed_repeated(&whole, &options, limits, &mut out)
+        } else {
+            rs274::refeed(lines()?, &options, limits, &mut out)
+        }
     } else {
         let options = program.din66025_options(&machine.conditions);
-        din66025::refeed(reader, &options, limits, &mut out)
+        din66025::refeed(lines()?, &options, limits, &mut out)
     };
     let refed = refed.map_err(|error| match error {
         RefeedError::Read(source) => unreadable(program.path(), source),

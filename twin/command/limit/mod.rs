@@ -247,7 +247,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     {
         feasible::tell_none(target).map_err(Failure::Stdio)?;
     } else if let Some(target) = &arguments.feasible {
-        let refed = feasible::write(&program, &machine, limits, target)?;
+        let refed = feasible::write(&program, &machine, &limits, target)?;
         feasible::tell(&refed, target).map_err(Failure::Stdio)?;
     }
     Ok(if finding::unfit(&findings) { Status::Unfit } else { Status::Fit })
@@ -410,7 +410,7 @@ fn report(
                 writeln!(out, "{}: {}", program.path().display(), show::verdict(findings, 0))?;
                 out.flush()?;
             }
-            show::findings(program, findings, true);
+            show::findings(program, findings, show::Shown::WithNotes);
             write_summary(&mut out, machine, program, summary)
         }
     }

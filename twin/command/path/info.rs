@@ -125,7 +125,7 @@ fn broken(findings: &[Finding]) -> Vec<(&'static str, &'static str, u64, Place)>
             Severity::Warning => "warning",
             Severity::Note => "note",
         };
-        let place = Place { line: finding.line, block: finding.block };
+        let place = finding.place();
         let key = (finding.rule.name(), severity);
         match rules.iter_mut().find(|(rule, severity, ..)| (*rule, *severity) == key) {
             Some((_, _, count, first)) => {

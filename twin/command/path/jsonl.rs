@@ -1,12 +1,13 @@
 //! Path elements and set-points as JSON, one object per line.
 
+use crate::finding::file_name;
 use nalgebra::{Point3, Vector3};
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use twin_kinematics::WorkFrame;
 use twin_number::significant;
-use twin_path::{AxisMask, EXTRA_AXES, ElementKind, PathElement, ProbeOutcome, Shape};
+use twin_path::{AxisMask, EXTRA_AXES, ElementKind, FilePath, PathElement, ProbeOutcome, Shape};
 use twin_planner::controller::{Status, ToolSetpoint};
 
 /// Digits of the numbers written; a double is preserved by 17, and 12 are a picometre on a metre.
@@ -15,6 +16,12 @@ const DIGITS: usize = 12;
 #[derive(serde::Serialize)]
 struct Row {
     line: u32,
+    /// The subroutine file that has the line.
+    #[serde(serialize_with = "file_name", skip_serializing_if = "Option::is_none")]
+    file: Option<FilePath>,
+    /// Line of the program that calls it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    called_from: Option<u32>,
     block: Option<u32>,
     kind: &'static str,
     start_mm: [Number; 3],
@@ -126,7 +133,9 @@ pub(super) fn write(
         at: number(switch.at),
     });
     let row = Row {
-        line: element.place.line,
+        line: element.place.line_in_file(),
+        file: element.place.file(),
+        called_from: element.place.called_from(),
         block: element.place.block,
         kind,
         start_mm: machine(&element.shape.start()),
@@ -183,6 +192,10 @@ fn smooth_axes(axes: AxisMask) -> Vec<char> {
 struct SetpointRow {
     time_s: Number,
     line: u32,
+    #[serde(serialize_with = "file_name", skip_serializing_if = "Option::is_none")]
+    file: Option<FilePath>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    called_from: Option<u32>,
     block: Option<u32>,
     status: &'static str,
     position_mm: [Number; 3],
@@ -210,7 +223,9 @@ pub(super) fn write_setpoint(out: &mut dyn Write, setpoint: &ToolSetpoint) -> io
     let tangent = setpoint.tangent();
     let row = SetpointRow {
         time_s: number(twin_number::seconds(setpoint.time_ns)),
-        line: setpoint.place.line,
+        line: setpoint.place.line_in_file(),
+        file: setpoint.place.file(),
+        called_from: setpoint.place.called_from(),
         block: setpoint.place.block,
         status: match setpoint.status {
             Status::Init => "init",

@@ -246,7 +246,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             stderr!("{name} is not written: the program has errors");
         }
         finding::sort(&mut job.findings);
-        show::findings(program, &job.findings, true);
+        show::findings(program, &job.findings, show::Shown::WithNotes);
         if job.left_out > 0 {
             stderr!("… and {} more that are not kept", job.left_out);
         }

@@ -28,7 +28,7 @@ impl<'a> Writer<'a> {
             }
             Format::Rs274 => {
                 let options = rs274::WriteOptions { control: job.control, ..Default::default() };
-                let writer = rs274::ProgramWriter::new(out, options).map_err(cannot_express)?;
+                let writer = rs274::ProgramWriter::new(out, options).map_err(said)?;
                 Self::Rs274(Box::new(writer))
             }
             Format::Dxf => {
@@ -52,7 +52,7 @@ impl<'a> Writer<'a> {
                 jsonl::write(*out, frame, element).map_err(Failure::Stdio)
             }
             Self::Din66025(writer) => writer.write(element).map_err(said),
-            Self::Rs274(writer) => writer.write(element).map_err(cannot_express),
+            Self::Rs274(writer) => writer.write(element).map_err(said),
             Self::Dxf(writer) => writer.write(element).map_err(Failure::Stdio),
         }
     }
@@ -61,27 +61,19 @@ impl<'a> Writer<'a> {
         match self {
             Self::Jsonl { .. } => Ok(()),
             Self::Din66025(writer) => writer.finish().map(|_| ()).map_err(said),
-            Self::Rs274(writer) => writer.finish().map(|_| ()).map_err(cannot_express),
+            Self::Rs274(writer) => writer.finish().map(|_| ()).map_err(said),
             Self::Dxf(writer) => writer.finish().map(|_| ()).map_err(Failure::Stdio),
         }
     }
 }
 
-/// What a program cannot say, with what helps.
+/// What a program cannot express, with what helps.
 fn said(error: WriteError) -> Failure {
     match error {
         WriteError::Io(source) => Failure::Stdio(source),
         WriteError::UprightArc(_) | WriteError::Curve(_) | WriteError::Cubic(_) => {
             Failure::Usage(format!("{error} (--linearise MM --arcs)"))
         }
-        error => Failure::Usage(error.to_string()),
-    }
-}
-
-/// What a program of RS274 cannot express.
-fn cannot_express(error: rs274::WriteError) -> Failure {
-    match error {
-        rs274::WriteError::Io(source) => Failure::Stdio(source),
         error => Failure::Usage(error.to_string()),
     }
 }

@@ -205,9 +205,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     // All programs are checked before anything moves.
     let mut checked = Vec::new();
-    let mut continues = None;
+    let (mut continues, mut tool) = (None, None);
     for own in arguments.per_program() {
-        let program = own.open(&machine)?;
+        let program = own.open(&machine)?.with_tool(tool);
         check::may_follow(&program, continues.as_ref())?;
         let outcome = check_first(&machine, &program, &own, continues)?;
         let Some(start) = outcome.start.filter(|_| !finding::unfit(&outcome.findings)) else {
@@ -217,8 +217,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             check::human(&mut out, &machine, &program, &outcome, false).map_err(Failure::Stdio)?;
             return Ok(Status::Unfit);
         };
-        show::findings(&program, &outcome.findings, false);
+        show::findings(&program, &outcome.findings, show::Shown::Brief);
         let before = std::mem::replace(&mut continues, outcome.end);
+        tool = outcome.tool.or(tool);
         checked.push(Checked { arguments: own, program, outcome, start, continues: before });
     }
     let (mut status, mut caught) = (Status::Fit, None);
@@ -282,7 +283,7 @@ fn execute(
     }
     outcome.loads.clone_from(&done.ending.record.loads);
     behind.extend_from_slice(&done.ended);
-    show::findings(program, &behind, true);
+    show::findings(program, &behind, show::Shown::WithNotes);
     outcome.findings.extend(behind);
     finding::sort(&mut outcome.findings);
     let report = Report { outcome: &outcome, ..report };

@@ -89,9 +89,10 @@ pub(super) fn perform<'m>(
         stderr!("{} names no drives; the simulated machine runs alone", machine.path.display());
     }
     let scenario = arguments.simulation.scenario(machine)?;
-    let twin = Simulated::new(machine, start)?.in_scenario(&scenario);
+    let twin =
+        Simulated::with_spindle(machine, start, program.spindle(machine))?.in_scenario(&scenario);
     let drives = if let Some(ready) = real {
-        Some((startup::start_real(ready, machine, start, &interrupt)?, Vec::new()))
+        Some((startup::start_real(ready, machine, (outcome, start), &interrupt)?, Vec::new()))
     } else if emulated {
         Some(startup::connect(machine, (outcome, start), &interrupt)?)
     } else {

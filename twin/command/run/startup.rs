@@ -155,7 +155,7 @@ pub(super) fn real(
         let path = machine.path.display();
         return Err(Failure::Usage(format!("{path}: no axis has a drive: nothing can move")));
     }
-    let ways = check_ways(machine, &positions, &to_home, start)?;
+    let ways = check_ways(machine, &positions, &to_home, (outcome, start))?;
     let homing = homing_speeds(machine, &mut drives, &to_home);
     let asked = Asked { outcome, start, approach, homing };
     stderr!("{}", moves(machine, &positions, &to_home, &asked));
@@ -192,18 +192,18 @@ fn check_ways(
     machine: &Machine,
     positions: &[(usize, Option<Increments>)],
     to_home: &[usize],
-    start: &AxisVector,
+    (outcome, start): (&Outcome, &AxisVector),
 ) -> Result<Vec<Check>, Failure> {
     let mut from = AxisVector::zeros(machine.axes.len());
     let read = positions.iter().filter_map(|(device, found)| Some((*device, (*found)?)));
     for (device, found) in read {
         startup::include(machine, device, &found, &mut from);
     }
-    let mut ways = Vec::new();
+    let (mut ways, tool) = (Vec::new(), outcome.start_tool.as_ref());
     if !to_home.is_empty() {
-        ways.push(startup::homing_way(machine, &mut from, to_home));
+        ways.push(startup::homing_way(machine, tool, &mut from, to_home));
     }
-    match startup::plan_way(machine, [&from, start], APPROACH, true) {
+    match startup::plan_way(machine, tool, [&from, start], APPROACH, true) {
         Ok(way) => ways.push(startup::describe_way(machine, &way)),
         Err(check) => ways.push(check),
     }
@@ -283,7 +283,7 @@ pub(super) fn connect(
         stderr!("emulated {described} on {place}: {count} start-up checks passed");
     }
     let (emulators, drives): (_, Vec<_>) = connected.into_iter().unzip();
-    let hardware = go_to_start(machine, drives, start, Guarded::Emulated, interrupt)?;
+    let hardware = go_to_start(machine, drives, (outcome, start), Guarded::Emulated, interrupt)?;
     Ok((hardware, emulators))
 }
 
@@ -291,24 +291,25 @@ pub(super) fn connect(
 pub(super) fn start_real(
     ready: Ready,
     machine: &Machine,
-    start: &AxisVector,
+    (outcome, start): (&Outcome, &AxisVector),
     interrupt: &Interrupt,
 ) -> Result<Hardware, Failure> {
     ask_for_priority();
     let drives = ready.home(machine, interrupt)?;
-    go_to_start(machine, drives, start, Guarded::Real, interrupt)
+    go_to_start(machine, drives, (outcome, start), Guarded::Real, interrupt)
 }
 
 /// Plans the way from where the axes are now, and lets the drives follow it to the start of the program.
 fn go_to_start(
     machine: &Machine,
     mut drives: Vec<Attached>,
-    start: &AxisVector,
+    (outcome, start): (&Outcome, &AxisVector),
     whose: Guarded,
     interrupt: &Interrupt,
 ) -> Result<Hardware, Failure> {
     let from = startup::positions(machine, &mut drives)?;
-    let way = match startup::plan_way(machine, [&from, start], APPROACH, whose == Guarded::Real) {
+    let (tool, is_real) = (outcome.start_tool.as_ref(), whose == Guarded::Real);
+    let way = match startup::plan_way(machine, tool, [&from, start], APPROACH, is_real) {
         Ok(way) => way,
         Err(check) => {
             stderr!("  {check}");

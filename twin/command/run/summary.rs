@@ -200,7 +200,7 @@ impl Report<'_> {
         };
         let Err(ended) = to_file(path, ending.executed_ns, json(&report)?) else { return Ok(()) };
         let finding = recording_ended("report", path, &ended);
-        show::findings(self.program, std::slice::from_ref(&finding), true);
+        show::findings(self.program, std::slice::from_ref(&finding), show::Shown::WithNotes);
         let mut outcome = self.outcome.clone();
         outcome.findings.push(finding);
         report.check = CheckReport::new(self.machine, self.program, &outcome);

@@ -213,7 +213,7 @@ impl Engine {
 
     /// The block that has begun last.
     pub(super) fn place(&self) -> Place {
-        Place { line: self.line, block: None }
+        Place::at(self.line)
     }
 
     #[cfg(test)]

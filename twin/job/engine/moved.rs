@@ -172,7 +172,7 @@ pub(super) fn assumed_jerks(job: &Job, assumed: &[Option<String>]) -> Vec<Findin
     let note = |(axis, said): (usize, &Option<String>)| {
         let call = job.calls.iter().find(|call| call.axis == axis)?;
         let message = format!("`ramp = \"{ramp}\"` needs a jerk: {}", said.as_ref()?);
-        let place = Place { line: call.line, block: None };
+        let place = Place::at(call.line);
         let mut finding = Finding::error(Rule::FunctionBlock, place, message);
         finding.severity = Severity::Note;
         Some(finding)

@@ -104,7 +104,7 @@ impl Engine {
             "axis {follows} would follow itself, by way of its masters: {}",
             coupling_cycle::message(ring, name)
         );
-        let mut finding = Finding::error(Rule::Coupling, Place { line, block: None }, message);
+        let mut finding = Finding::error(Rule::Coupling, Place::at(line), message);
         finding.axis = Some(follows.to_owned());
         finding.hint = Some(
             "release one of the couplings before this block: with MC_CamOut, MC_GearOut, or a block that moves the slave on its own"

@@ -112,12 +112,17 @@ pub(super) fn read(
         let mut model = model(&kinematics, axes, build)?;
         // Frames of flanges are not turned in their links.
         let flange = Isometry3::from(Translation3::from(model.tip.point.coords - tool.tip));
-        mount(payload, tool, &mut model, &flange, &body)?;
+        mount(payload, tool, &mut model, &flange, [root, &body])?;
         let axes = axes.iter().map(|entry| entry.axis.clone()).collect();
         Built { model, flange, axes, warnings: Vec::new(), hints: Vec::new() }
     };
     let Built { model, flange, axes, warnings, hints } = built;
-    let mount = Mount { flange, tip: tool.tip, has_table: kind.has_table && !is_urdf };
+    let mount = Mount {
+        flange,
+        tip: tool.tip,
+        diameter: tool.shape.diameter,
+        has_table: kind.has_table && !is_urdf,
+    };
     let (kind, kinematics) = (kind.name, machine_axes);
     Some(Geometry {
         kind,
@@ -138,11 +143,18 @@ fn mount(
     tool: &Tool,
     model: &mut Model,
     flange: &Isometry3<f64>,
-    body: &Section<'_>,
+    [root, body]: [&Section<'_>; 2],
 ) -> Option<()> {
-    if !model.shape_tool(flange, &tool.shape) {
-        let message = "[tool] has a diameter_mm, and this machine has no round tool".to_owned();
-        body.complain(message);
+    // A tool without a length gives its diameter to those of the table that have none.
+    let is_point = tool.tip.z >= 0.0;
+    let has_use = model.shape_tool(flange, &tool.shape) || (is_point && tool.has_table);
+    if !has_use {
+        let message = if is_point {
+            "the tool has a diameter and no length: add `length_mm`, the length from flange to tip, or a `tool_table` with lengths to [rs274]"
+        } else {
+            "[tool] has a diameter_mm, and this machine has no round tool"
+        };
+        root.section("tool").complain_at("diameter_mm", message);
     }
     let Some(payload) = payload else { return Some(()) };
     let mounted = model.mount_payload(flange, payload);

@@ -167,7 +167,13 @@ fn a_pushed_body_is_felt() {
 /// The gantry with a gripper below its ball.
 fn gripping(bodies: Vec<Body>, force: f64) -> PhysicsMachine {
     let mut surroundings = scene(bodies, 0.3);
-    surroundings.grippers = vec![Gripper {
+    surroundings.grippers = vec![cup(force)];
+    machine(&surroundings)
+}
+
+/// A gripper of `force` N below the ball of the quill.
+fn cup(force: f64) -> Gripper {
+    Gripper {
         name: "cup".into(),
         link: 3,
         point: Point3::new(0.0, 0.0, -0.03),
@@ -175,8 +181,7 @@ fn gripping(bodies: Vec<Body>, force: f64) -> PhysicsMachine {
         reach: 2e-3,
         force,
         moment: 10.0,
-    }];
-    machine(&surroundings)
+    }
 }
 
 /// A gripped body goes with the tool, its weight and its inertia are felt by the axes, and it is put down again.
@@ -212,6 +217,37 @@ fn a_gripper_carries() {
     assert!((at - Vector3::new(0.05, 0.0, 0.02)).norm() < 2e-5, "{at:?}");
     let kinds: Vec<_> = machine.take_body_events().iter().map(|event| event.kind).collect();
     assert_eq!(kinds, [BodyEventKind::Released { gripper: 0, body: 0 }]);
+}
+
+/// Another tool is another set of shapes: bodies stay where they are, gripped or not, and clamps that have given way stay
+/// open.
+#[test]
+fn bodies_outlast_a_change_of_tools() {
+    let bodies = vec![
+        cube("part", 1.0, 0.04, [0.05, 0.0, 0.449]),
+        cube("other", 1.0, 0.04, [0.5, 0.0, 1.0]),
+        Body { clamp: Some(5.0), ..cube("clamped", 1.0, 0.04, [1.0, 0.0, 1.0]) },
+    ];
+    let mut surroundings = scene(bodies, 0.3);
+    surroundings.grippers = vec![cup(50.0)];
+    let run = |changes: bool| {
+        let mut machine = machine(&surroundings);
+        machine.grip(0, true);
+        rest(&mut machine, 100);
+        if changes {
+            machine.insert_surroundings(&surroundings).unwrap();
+        }
+        rest(&mut machine, 200);
+        assert_eq!(machine.held_by(0), Some(0));
+        let kinds: Vec<_> = machine.take_body_events().iter().map(|event| event.kind).collect();
+        (machine.body_poses(), kinds)
+    };
+    let (changed, same) = (run(true), run(false));
+    assert_eq!(changed.1, same.1);
+    assert!(matches!(same.1[..], [_, BodyEventKind::ClampGaveWay { body: 2, .. }]), "{same:?}");
+    for (one, other) in changed.0.iter().zip(&same.0) {
+        assert!((one.translation.vector - other.translation.vector).norm() < 1e-9, "{changed:?}");
+    }
 }
 
 /// A gripper of 20 N loses 1 kg at the acceleration at which m·√(g² + a²) is 20 N: 17.4 m/s² sideways.
@@ -379,15 +415,7 @@ fn nothing_explodes_among_bodies() {
     let bodies = (0..20).map(|index| cube("cube", 0.2, 0.04, place(index))).collect();
     let mut surroundings = scene(bodies, 0.3);
     surroundings.obstacles[0].surface.velocity = Vector3::new(0.05, 0.02, 0.0);
-    surroundings.grippers = vec![Gripper {
-        name: "cup".into(),
-        link: 3,
-        point: Point3::new(0.0, 0.0, -0.03),
-        direction: -Vector3::z_axis(),
-        reach: 5e-3,
-        force: 30.0,
-        moment: 3.0,
-    }];
+    surroundings.grippers = vec![Gripper { reach: 5e-3, moment: 3.0, ..cup(30.0) }];
     let mut machine = machine(&surroundings);
     let fresh = machine.clone();
     let (mut target, mut goal) = ([0.0, 0.0, 0.3], [0.0_f64; 3]);

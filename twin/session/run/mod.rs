@@ -11,7 +11,7 @@ use super::{Ending, Observer, Stopped, TwinCycle};
 use crate::check;
 use crate::clock::Clock;
 use crate::compare::Comparison;
-use crate::finding::{Finding, Severity};
+use crate::finding::Severity;
 use crate::hardware::Hardware;
 use crate::m_function::MCall;
 use crate::planning::Planning;
@@ -257,8 +257,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                 // The check has refused programs with errors; warnings have been shown by it.
                 Some(PlanItem::Diagnostic(finding)) => {
                     if finding.severity == Severity::Error {
-                        let Finding { line, block, message, .. } = finding;
-                        let place = Place { line, block };
+                        let (place, message) = (finding.place(), finding.message);
                         self.fail_plan(Stopped::Program { place, message });
                     }
                 }
@@ -324,7 +323,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                 Ok(Some(feedback)) => feedback,
                 Ok(None) => continue,
                 Err(source) => {
-                    let source = SimulationError::of(self.machine, source);
+                    let source = SimulationError::with_tool(self.machine, source, self.twin.tool());
                     observer.happened(setpoint.time_ns, setpoint.place, &source.to_string());
                     return self.lose_twin(source);
                 }

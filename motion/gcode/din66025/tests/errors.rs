@@ -116,7 +116,7 @@ fn missing_feed() {
     assert!(diagnostic.to_string().contains("1001"), "{diagnostic}");
     assert_eq!(
         (diagnostic.place, diagnostic.columns.clone()),
-        (Place { line: 3, block: Some(20) }, Some(4..6))
+        (Place { block: Some(20), ..Place::at(3) }, Some(4..6))
     );
     assert_eq!(ways(&remaining(&decoded)), "10 10 0 > 20 10 0");
 }

@@ -28,7 +28,8 @@ fn program_example() {
     let places: Vec<_> = elements.iter().map(|element| element.place).collect();
     assert_eq!(
         places,
-        [(2, 10), (3, 20), (4, 30)].map(|(line, block)| Place { line, block: Some(block) })
+        [(2, 10), (3, 20), (4, 30)]
+            .map(|(line, block)| Place { block: Some(block), ..Place::at(line) })
     );
     assert!(elements.iter().all(|element| element.end_velocity == f64::INFINITY));
 }

@@ -128,7 +128,7 @@ fn cut(shape: Shape) -> PathElement {
         feed: 0.1,
         acceleration: 0.1,
         deceleration: 0.1,
-        ..PathElement::new(Place { line: 7, block: None }, ElementKind::Cut, shape)
+        ..PathElement::new(Place::at(7), ElementKind::Cut, shape)
     }
 }
 

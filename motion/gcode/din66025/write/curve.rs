@@ -43,7 +43,7 @@ impl Curve<'_> {
                 let number = i64::from(!rapid);
                 Ok(Some(Command { number, words: Vec::new() }))
             }
-            _ if rapid => Err(WriteError::CurvedRapid(place)),
+            _ if rapid => Err(WriteError::Inexpressible { place, what: "a rapid along a curve" }),
             // Too short to distinguish a curve from a full circle.
             shape if shape.length() <= TOLERANCE => {
                 Ok(Some(Command { number: 1, words: Vec::new() }))

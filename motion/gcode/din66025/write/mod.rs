@@ -1,10 +1,9 @@
 //! Program writer: a path as a DIN 66025 program, the inverse of the decoder.
 
 mod curve;
-mod error;
 mod words;
 
-pub use error::WriteError;
+pub use crate::write_error::WriteError;
 
 use super::word::Letter;
 use crate::number::{ALL_DECIMALS, read_back};
@@ -122,7 +121,10 @@ impl<W: Write> ProgramWriter<W> {
             ElementKind::Rapid | ElementKind::Cut => self.motion(element, next)?,
             ElementKind::Jump => self.jump(element)?,
             ElementKind::MFunction { number } => self.auxiliary(element, number)?,
-            ElementKind::Dwell { .. } => return Err(WriteError::Dwell(element.place)),
+            ElementKind::Dwell { .. } => {
+                let what = "SoftMotion's dialect has no dwell; remove it from the source program";
+                return Err(WriteError::Inexpressible { place: element.place, what });
+            }
             ElementKind::Probe { probing, .. } => {
                 return Err(WriteError::Probe { place: element.place, probing });
             }

@@ -179,9 +179,8 @@ impl State {
     /// Diameter (m) and orientation of the tool that D names, or of that in the spindle.
     fn cutter_of_table(&self, word: f64, block: &Block) -> Result<(f64, u32), Problem> {
         // D0 is the tool in the spindle.
-        let tool = block.whole_at(Letter::D, 0)?.filter(|tool| *tool != 0);
-        let columns = block.get(Letter::D).and_then(|_| block.columns(Letter::D));
-        let at_word = |error| Problem { columns, error };
+        let tool = block.whole(Letter::D, 0)?.filter(|tool| *tool != 0);
+        let at_word = |error| block.at(Letter::D, error);
         let number = tool.unwrap_or(self.tool);
         let Some(tools) = &self.tools else {
             return Err(at_word(DecodeError::NoDiameter { word, tool: number }));
@@ -202,10 +201,9 @@ impl State {
     fn cutter_of_words(&self, word: f64, block: &Block) -> Result<(f64, u32), Problem> {
         let missing = || DecodeError::missing(format!("G{word}"), "the diameter D of the tool");
         let diameter = self.length(block, Letter::D)?.ok_or_else(missing)?;
-        match block.whole_at(Letter::L, 0)? {
+        match block.whole(Letter::L, 0)? {
             Some(orientation) if self.plane != Plane::Zx => {
-                let error = DecodeError::LatheToolPlane { word, orientation };
-                Err(Problem { columns: block.columns(Letter::L), error })
+                Err(block.at(Letter::L, DecodeError::LatheToolPlane { word, orientation }))
             }
             orientation => Ok((diameter, orientation.unwrap_or(0))),
         }

@@ -142,7 +142,7 @@ impl State {
 
     /// Appends a move to the queue; the tool's centre is at its end.
     fn append(&mut self, next: Move, out: &Output) {
-        self.compensation.queue.push(out.place(), next, self.speed);
+        self.compensation.queue.push(out.place, next, self.speed);
         if let Some(cutter) = &mut self.compensation.cutter {
             cutter.center = Some(next.end);
         }

@@ -139,7 +139,7 @@ impl State {
     ) -> bool {
         let waits = self.compensation.queue.len() > 0;
         if waits {
-            self.compensation.queue.items.push((out.place(), Item::Wait(kind, parameters)));
+            self.compensation.queue.items.push((out.place, Item::Wait(kind, parameters)));
         }
         waits
     }

@@ -5,10 +5,12 @@ mod words;
 
 pub(super) use table::row;
 pub use table::{CONTROL_WORDS, Cell, ControlWord, Reading};
-pub(super) use words::{check, forgive, unequal_radii};
+pub(super) use words::{check, forgive, percent, unequal_radii};
 
-use super::block::{Block, Letter};
-use super::word::{Motion, OneShot};
+use super::block::{Block, Letter, Letters};
+use super::error::{DecodeError, Problem};
+use super::settings::OffsetError;
+use super::word::{Motion, OneShot, Spline};
 use std::fmt;
 
 /// A control whose dialect of RS274 is known.
@@ -42,17 +44,20 @@ impl Control {
         Self::SoftMotion,
     ];
 
+    /// The names on the command line and those that the makers write, in the order of the variants.
+    const NAMES: [[&str; 2]; 7] = [
+        ["linuxcnc", "LinuxCNC"],
+        ["grbl", "grbl"],
+        ["grblhal", "grblHAL"],
+        ["fluidnc", "FluidNC"],
+        ["fanuc", "Fanuc"],
+        ["mach3", "Mach3"],
+        ["softmotion", "SoftMotion"],
+    ];
+
     /// Its name on the command line and in machine files.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::LinuxCnc => "linuxcnc",
-            Self::Grbl => "grbl",
-            Self::GrblHal => "grblhal",
-            Self::FluidNc => "fluidnc",
-            Self::Fanuc => "fanuc",
-            Self::Mach3 => "mach3",
-            Self::SoftMotion => "softmotion",
-        }
+        Self::NAMES[self as usize][0]
     }
 }
 
@@ -77,10 +82,36 @@ impl Control {
         }
     }
 
-    /// Gives words of `block` the letters of LinuxCNC: Fanuc's G4 X is in seconds, and K repeats canned cycles.
-    pub(super) fn translate(self, block: &mut Block, motion: Motion) {
+    /// Gives `block` the words of LinuxCNC. Mach3's G59 P1 to P9 are G54 to G59.3. Fanuc's G4 X is in seconds, K repeats
+    /// canned cycles, and G5 P and G5.1 Q, which change how the control looks ahead, leave the path as it is.
+    ///
+    /// # Errors
+    /// [`OffsetError::System`], and [`DecodeError::MissingWord`] of G5 and G5.1.
+    pub(super) fn translate(self, block: &mut Block, motion: Motion) -> Result<(), Problem> {
+        if self == Self::Mach3
+            && block.g.system == Some(5)
+            && let Some(number) = block.whole(Letter::P, 1)?
+        {
+            let system = u8::try_from(number).ok().filter(|number| *number <= 9);
+            block.g.system = Some(system.ok_or(OffsetError::System(number))? - 1);
+            block.drop(Letters::of("P"));
+        }
         if self != Self::Fanuc {
-            return;
+            return Ok(());
+        }
+        let needed = match block.g.motion {
+            Some(Motion::Spline(Spline::Cubic)) => {
+                Some((Letter::P, "G5", "P10000 (on) or P0 (off)"))
+            }
+            Some(Motion::Spline(Spline::Quadratic)) => {
+                Some((Letter::Q, "G5.1", "Q1 (on) or Q0 (off)"))
+            }
+            _ => None,
+        };
+        if let Some((letter, code, word)) = needed {
+            block.get(letter).ok_or_else(|| DecodeError::missing(code, word))?;
+            block.drop(block.letters());
+            block.g.motion = None;
         }
         let dwells = block.g.one_shot == Some(OneShot::Dwell);
         if dwells && block.g.motion.is_none() {
@@ -90,6 +121,7 @@ impl Control {
         if matches!(block.g.motion.unwrap_or(motion), Motion::Cycle(_)) {
             block.rename(Letter::K, Letter::L);
         }
+        Ok(())
     }
 
     /// True if F counts degrees as mm where rotary axes move along with others.
@@ -115,15 +147,7 @@ impl Control {
 /// The name as its makers write it.
 impl fmt::Display for Control {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::LinuxCnc => "LinuxCNC",
-            Self::Grbl => "grbl",
-            Self::GrblHal => "grblHAL",
-            Self::FluidNc => "FluidNC",
-            Self::Fanuc => "Fanuc",
-            Self::Mach3 => "Mach3",
-            Self::SoftMotion => "SoftMotion",
-        })
+        f.write_str(Self::NAMES[*self as usize][1])
     }
 }
 

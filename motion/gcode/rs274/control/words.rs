@@ -47,6 +47,11 @@ pub(in crate::rs274) fn forgive(
     }
 }
 
+/// Reports a line of %.
+pub(in crate::rs274) fn percent(control: Control, out: &mut Output) {
+    report(control, "%", None, Some(0..1), out);
+}
+
 /// Reports an arc that ends at another distance from its centre than it begins.
 pub(in crate::rs274) fn unequal_radii(control: Control, out: &mut Output) {
     report(control, "arc with unequal radii", None, None, out);
@@ -61,10 +66,12 @@ pub(in crate::rs274) fn check(
     state: &State,
     out: &mut Output,
 ) {
-    let mut scan = Scan { line, at: 0, words: Vec::new() };
-    scan.run();
-    for (word, columns) in scan.words {
-        report(control, &word, None, Some(columns), out);
+    let begin = line.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or_default();
+    if line.get(begin) == Some(&b'/') {
+        report(control, "block delete /", None, Some(begin..begin + 1), out);
+    }
+    for (word, columns) in &block.seen {
+        report(control, word, None, Some(columns.clone()), out);
     }
     if is_long(control, line) {
         report(control, "long line", None, None, out);
@@ -120,6 +127,7 @@ fn features(
             },
         );
     }
+    find(block.m_count > 1, "several M words in a block");
     let motion = block.g.motion.unwrap_or(state.motion);
     let plane = block.g.plane.unwrap_or(state.plane);
     let moves = block.letters().meets(Letters::AXES.with(Letters::CENTER));
@@ -155,7 +163,7 @@ fn features(
     }
     let machine = block.g.one_shot == Some(OneShot::MachineFrame);
     find(machine && motion == Motion::Line, "G53 with G1");
-    let others = Letters::AXES.without(Letters::of(&[Letter::Z]));
+    let others = Letters::AXES.without(Letters::of("Z"));
     let direct = block.g.tool_length == Some(ToolLength::Direct);
     find(direct && block.letters().meets(others), "G43.1 with other axes than Z");
     find(block.number.is_some_and(|number| number > 99_999), "N above 99999");
@@ -185,141 +193,4 @@ fn report(
         DecodeError::OfControl(ControlFinding { control, word, cell, rewrite: row.rewrite }),
         refused,
     );
-}
-
-/// A line on the way to its words.
-struct Scan<'a> {
-    line: &'a [u8],
-    at: usize,
-    words: Vec<(String, Range<usize>)>,
-}
-
-impl Scan<'_> {
-    fn add(&mut self, word: impl Into<String>, columns: Range<usize>) {
-        let word = word.into();
-        if !self.words.iter().any(|(known, _)| *known == word) {
-            self.words.push((word, columns));
-        }
-    }
-
-    fn peek(&self) -> Option<u8> {
-        self.line.get(self.at).copied()
-    }
-
-    /// Reads all of the line, which has no errors.
-    fn run(&mut self) {
-        let mut m_words = 0;
-        while let Some(byte) = self.peek() {
-            let start = self.at;
-            self.at += 1;
-            match byte.to_ascii_uppercase() {
-                b'(' => {
-                    while self.peek().is_some_and(|byte| byte != b')') {
-                        self.at += 1;
-                    }
-                }
-                b';' => return self.add("comment with ;", start..self.line.len()),
-                b'/' if self.words.is_empty() => self.add("block delete /", start..self.at),
-                b'%' => self.add("%", start..self.at),
-                b'#' => self.parameter(start),
-                b'=' => self.skip_name(),
-                b'[' => {
-                    self.add("expressions", start..self.at);
-                    self.skip_expression();
-                }
-                b'@' | b'^' => self.add("@ and ^", start..self.at),
-                b'$' => self.add("$", start..self.at),
-                b'N' => {
-                    self.number();
-                }
-                // What follows is a label.
-                b'O' if self.words.is_empty() => return,
-                letter @ b'A'..=b'Z' => {
-                    let number = self.number();
-                    if number.is_empty() {
-                        self.skip_name();
-                    }
-                    let columns = start..self.at;
-                    m_words += usize::from(letter == b'M');
-                    if m_words > 1 {
-                        self.add("several M words in a block", columns.clone());
-                    }
-                    self.add(name(letter, &number), columns.clone());
-                    let is_length = matches!(letter, b'X' | b'Y' | b'Z' | b'I' | b'J' | b'R');
-                    let whole = number.bytes().any(|digit| digit != b'0') && !number.contains('.');
-                    if is_length && whole {
-                        self.add("length without a decimal point", columns);
-                    }
-                }
-                _ => {}
-            }
-        }
-    }
-
-    /// Goes behind the name of a function, if there is one.
-    fn skip_name(&mut self) {
-        self.skip_blanks();
-        while self.peek().is_some_and(|byte| byte.is_ascii_alphabetic()) {
-            self.at += 1;
-        }
-    }
-
-    /// Goes behind the brackets of an expression, but for its parameters.
-    fn skip_expression(&mut self) {
-        let mut depth = 1;
-        while let Some(byte) = self.peek().filter(|_| depth > 0) {
-            match byte {
-                b'[' => depth += 1,
-                b']' => depth -= 1,
-                b'#' => {
-                    let start = self.at;
-                    self.at += 1;
-                    self.parameter(start);
-                    continue;
-                }
-                _ => {}
-            }
-            self.at += 1;
-        }
-    }
-
-    /// The parameter behind `#` at `start`.
-    fn parameter(&mut self, start: usize) {
-        self.skip_blanks();
-        let named = self.peek() == Some(b'<');
-        self.add(if named { "named parameters" } else { "parameters" }, start..self.at);
-        while named && self.peek().is_some_and(|byte| byte != b'>') {
-            self.at += 1;
-        }
-    }
-
-    fn skip_blanks(&mut self) {
-        while self.peek().is_some_and(|byte| byte.is_ascii_whitespace()) {
-            self.at += 1;
-        }
-    }
-
-    /// The digits and the point that follow, without blanks and signs.
-    fn number(&mut self) -> String {
-        let mut number = String::new();
-        self.skip_blanks();
-        if matches!(self.peek(), Some(b'+' | b'-')) {
-            self.at += 1;
-        }
-        self.skip_blanks();
-        while let Some(byte @ (b'0'..=b'9' | b'.')) = self.peek() {
-            number.push(char::from(byte));
-            self.at += 1;
-            self.skip_blanks();
-        }
-        number
-    }
-}
-
-/// `G1` of G and `01.0`; other words are their letter.
-fn name(letter: u8, number: &str) -> String {
-    match number.parse::<f64>() {
-        Ok(number) if matches!(letter, b'G' | b'M') => format!("{}{number}", char::from(letter)),
-        _ => char::from(letter).to_string(),
-    }
 }

@@ -10,6 +10,14 @@ pub enum FlowError {
         "a keyword must follow the label: sub endsub return call if elseif else endif while endwhile do repeat endrepeat break continue"
     )]
     UnknownKeyword,
+    /// A statement of Fanuc's macro language.
+    #[error("{statement} of Fanuc's macro language is not read: write it as an O word: {rewrite}")]
+    Macro {
+        /// Its word.
+        statement: &'static str,
+        /// The O words to use.
+        rewrite: &'static str,
+    },
     /// The keyword needs a value in brackets.
     #[error("{0} needs a value in brackets: [ ]")]
     MissingValue(&'static str),
@@ -24,7 +32,7 @@ pub enum FlowError {
     /// A subroutine for the second time, and the line of its definition.
     #[error("subroutine {0} is defined in line {1} already")]
     Redefined(String, u32),
-    /// An end, or a jump, whose loop or condition is not in work: its keyword, the keyword that opens it, and its label.
+    /// An end, or a jump, whose loop or condition is not open: its keyword, the keyword that opens it, and its label.
     #[error("{0} without its beginning: no {1} with label {2} is open here")]
     NotOpen(&'static str, &'static str, String),
     /// A subroutine within another.
@@ -33,7 +41,7 @@ pub enum FlowError {
     /// Outside a subroutine.
     #[error("{0} outside of a subroutine")]
     Outside(&'static str),
-    /// A subroutine that nobody defines.
+    /// A subroutine without a definition.
     #[error(
         "subroutine {0} is neither defined in this program nor a file {0}.ngc in the folders of subroutines"
     )]

@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub(in crate::rs274) struct Label(Arc<str>);
 
 impl Label {
-    pub(super) fn of_number(number: i64) -> Self {
+    pub(in crate::rs274) fn of_number(number: i64) -> Self {
         Self(number.to_string().into())
     }
 
@@ -92,7 +92,29 @@ impl Statement {
     }
 }
 
+/// Statements of Fanuc's macro language, which of these bytes follows, and how to write them.
+const MACROS: [(&str, (&[u8], &str)); 5] = [
+    ("IF", (b"[", "`O100 if [...]` before what depends on it, and `O100 endif` behind")),
+    ("WHILE", (b"[", "`O100 while [...]`, and `O100 endwhile` in place of its END")),
+    (
+        "GOTO",
+        (
+            b"0123456789#[",
+            "`O100 if [...]` and `O100 endif` skip lines, `O100 while [...]` and `O100 endwhile` repeat them",
+        ),
+    ),
+    ("DO", (b"0123456789", "`O100 while [1]`, and `O100 endwhile` in place of its END")),
+    ("END", (b"0123456789", "`O100 endwhile`")),
+];
+
 impl Lexer<'_> {
+    /// The word of the statement of Fanuc's macro language that begins here, and its rewrite, if there is one.
+    pub(in crate::rs274) fn macro_statement(&self) -> Option<(&'static str, &'static str)> {
+        let (&(word, (follows, rewrite)), end) = self.one_of(&MACROS)?;
+        let next = Lexer::new(self.line, end, self.state).peek()?;
+        follows.contains(&next).then_some((word, rewrite))
+    }
+
     /// The label that begins here with O, and the keyword behind it; their values are not read.
     pub(in crate::rs274) fn label(&mut self) -> Result<(Label, Keyword), Problem> {
         let start = self.at;

@@ -15,7 +15,7 @@ mod error;
 mod label;
 
 use super::parameters::Locals;
-use super::source::{FileNumber, Spot};
+use super::source::Spot;
 use Keyword::{
     Break, Call, Continue, Do, Else, ElseIf, EndIf, EndRepeat, EndSub, EndWhile, If, Program,
     Repeat, Return, Sub, While,
@@ -51,7 +51,7 @@ struct Search {
     from: u32,
 }
 
-/// A loop or condition in work.
+/// An open loop or condition.
 #[derive(Clone, Debug)]
 struct Open {
     label: Label,
@@ -62,7 +62,7 @@ struct Open {
     count: u64,
 }
 
-/// A subroutine in work.
+/// A subroutine that has been called and has not ended.
 #[derive(Debug)]
 struct Called {
     sub: Label,
@@ -144,14 +144,9 @@ impl Flow {
         }
     }
 
-    /// Line of the program whose call is in work.
+    /// Line of the program whose call is open.
     pub(super) fn main_line(&self) -> u32 {
         self.calls.first().map_or(self.next.line, |call| call.back.line)
-    }
-
-    /// True in a subroutine.
-    pub(super) fn is_in_subroutine(&self) -> bool {
-        !self.calls.is_empty()
     }
 
     /// True if a line with this label and keyword ends the search.
@@ -266,30 +261,6 @@ impl Flow {
         Ok(Effect::None)
     }
 
-    /// Calls the subroutine of M98.
-    ///
-    /// # Errors
-    /// See [`FlowError`].
-    pub(super) fn call_numbered(&mut self, number: i64, count: u32) -> Result<Effect, FlowError> {
-        match count {
-            0 => Ok(Effect::None),
-            _ => self.call(Label::of_number(number), Program, None, count),
-        }
-    }
-
-    /// Returns from the subroutine at M99.
-    ///
-    /// # Errors
-    /// See [`FlowError`].
-    pub(super) fn return_numbered(&mut self) -> Result<Effect, FlowError> {
-        self.leave("M99", Program, None)
-    }
-
-    /// Goes on in the file of the subroutine that was called.
-    pub(super) fn go_to_file(&mut self, file: FileNumber) {
-        self.next = Spot { file: Some(file), line: 0 };
-    }
-
     /// Stores what the caller of the subroutine has saved.
     pub(super) fn save(&mut self, saved: Option<Locals>) {
         if let Some(call) = self.calls.last_mut() {
@@ -308,7 +279,7 @@ impl Flow {
         }
     }
 
-    /// The innermost loop or condition of `label` that is open in the subroutine at hand.
+    /// The innermost loop or condition of `label` that is open in the current subroutine.
     fn find(&self, label: &Label, kinds: &[Keyword]) -> Option<usize> {
         let first = self.calls.last().map_or(0, |call| call.opened);
         let fits = |open: &Open| open.label == *label && kinds.contains(&open.kind);
@@ -377,7 +348,11 @@ impl Flow {
         Ok(Effect::None)
     }
 
-    fn call(
+    /// Calls a subroutine `count` times, at least once.
+    ///
+    /// # Errors
+    /// See [`FlowError`].
+    pub(super) fn call(
         &mut self,
         sub: Label,
         style: Keyword,
@@ -401,7 +376,11 @@ impl Flow {
         Ok(Effect::Enter { arguments, unknown })
     }
 
-    fn leave(
+    /// Returns from a subroutine at `keyword`.
+    ///
+    /// # Errors
+    /// See [`FlowError`].
+    pub(super) fn leave(
         &mut self,
         keyword: &'static str,
         style: Keyword,

@@ -145,3 +145,84 @@ fn names_of_functions() {
         [" grbl refuses parameters", " grbl refuses expressions", " grbl refuses named parameters"]
     );
 }
+
+/// B-63944EN/03, 19.1 and 20.1: G05.1 Q1 and Q0 stand alone and switch the look-ahead; G05 P10000 and P0 as well.
+#[test]
+fn look_ahead_of_fanuc() {
+    let program =
+        "G21\nG5.1 Q1\nG5.1 Q1 R5.\nG05 P10000\nG1 X1. F100.\nX2.\nG5 P0\nG5.1 Q0\nX3.\nM30\n";
+    let (errors, warnings) = findings(Control::Fanuc, program);
+    assert_eq!((errors, warnings), (vec![], vec![]));
+    let options = DecoderOptions { control: Some(Control::Fanuc), ..DecoderOptions::default() };
+    let path = elements_with(options, program);
+    assert_eq!(ends(&path), "1 0 0 | 2 0 0 | 3 0 0");
+    let (errors, _) = findings(Control::Fanuc, "F9.\nG5.1 X1. Y1. I1. J1.\nM30\n");
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    assert_eq!(findings(Control::Fanuc, "G5.1\nM30").0, ["line 1: G5.1 needs Q1 (on) or Q0 (off)"]);
+    // Others have splines of these names.
+    assert_eq!(
+        decode("G5.1 Q1\nM2").errors[0].error.hint().unwrap().split_once("--for"),
+        Some(("on Fanuc G5 P and G5.1 Q set how far the control looks ahead: ", " fanuc"))
+    );
+}
+
+/// Manual of `Mach3` Mill, 10.7.20: G59 P1 to P6 are G54 to G59.
+#[test]
+fn fixtures_of_mach3() {
+    let mut options = DecoderOptions { control: Some(Control::Mach3), ..DecoderOptions::default() };
+    for (system, x) in [(1, 1.0), (6, 6.0)] {
+        options.work_offsets[system] = at([x * 1e-3, 0.0, 0.0]);
+    }
+    let path = elements_with(options, "G59 P2\nG0 X0\nG59 P7\nX0\nG59 P1\nX0\nG54\nX5\nM30");
+    assert_eq!(ends(&path), "1 0 0 | 6 0 0 | 0 0 0 | 5 0 0");
+    let (errors, _) = findings(Control::Mach3, "G59 P12 G0 X1\nX2\nM30");
+    let [error] = &errors[..] else { panic!("{errors:?}") };
+    assert!(
+        error.starts_with("line 1: the work offset G59 P12 is not read: there are 1 to 9"),
+        "{error}"
+    );
+}
+
+/// Words of other controls without --for.
+#[test]
+fn hints_name_the_control() {
+    for (program, control) in [
+        ("M98 P30200\nM30\nO200\nM99\n", "--for fanuc"),
+        ("G70\nM2", "--for mach3"),
+        ("G71 G0 X1\nM2", "--for mach3"),
+    ] {
+        let decoded = decode(program);
+        let hint = decoded.errors[0].error.hint().unwrap_or_default();
+        assert!(hint.ends_with(control), "{program}: {hint} {:?}", decoded.errors);
+    }
+    assert_eq!(decode("M98 P200\nM30").errors[0].error.hint(), None);
+    assert_eq!(decode("G72\nM30").errors[0].error.hint(), None);
+}
+
+/// Each statement of the macro language is one error, which names the O word to use, whatever the control.
+#[test]
+fn macro_statements_of_fanuc() {
+    let program = "G21\n#1=0\nG0 X1.\nN20 IF [#1 EQ 1] GOTO 30\nIF[#1GT1]THEN #1=2\nWHILE [#1 LT 3] DO1\nG1 X2. F100.\n\
+        #1=[#1+1]\nEND1\nGOTO 30\ngoto[#1]\nN30 G2 X4. I1.\nM30\n";
+    for control in [None, Some(Control::Fanuc)] {
+        let decoded = decode_with(
+            DecoderOptions { control, ..DecoderOptions::default() },
+            program.as_bytes(),
+        );
+        let found: Vec<_> = decoded.errors.iter().map(ToString::to_string).collect();
+        let expected = [
+            ("line 4 (N20): IF of", "`O100 if [...]`"),
+            ("line 5: IF of", "`O100 if [...]`"),
+            ("line 6: WHILE of", "`O100 while [...]`"),
+            ("line 9: END of", "`O100 endwhile`"),
+            ("line 10: GOTO of", "`O100 while [...]`"),
+            ("line 11: GOTO of", "`O100 while [...]`"),
+        ];
+        assert_eq!(found.len(), expected.len(), "{found:#?}");
+        for (found, (start, rewrite)) in found.iter().zip(expected) {
+            assert!(found.starts_with(start) && found.contains(rewrite), "{found}");
+        }
+    }
+    // A function behind a letter is no statement.
+    assert_eq!(decode("G2 X2 IFIX[1.5] F9\nM2").errors, []);
+}

@@ -114,3 +114,26 @@ fn long_lines() {
         assert_eq!(decode_strictly(&program).errors.len(), errors);
     }
 }
+
+/// M words of other controls in one block are those of blocks of their own, in the order of the program.
+#[test]
+fn m_words_of_other_controls() {
+    let (warnings, found) = lenient("M10 M110 M47 P2\nM47 M8\nM2");
+    let numbers: Vec<_> = found.iter().map(|element| element.kind).collect();
+    let expected = [10, 47, 110, 8, 47, 9].map(|number| ElementKind::MFunction { number });
+    assert_eq!(numbers, expected);
+    assert_eq!(found[0].m_parameters().k, Some(2.0));
+    let read = "is read as an M function at which the path waits (LinuxCNC refuses it)";
+    assert_eq!(
+        warnings,
+        [format!("line 1: M10 {read}"), format!("line 1: M47 {read}; 1 time more, last in line 2"),]
+    );
+    let decoded = decode("M10 M47\nM2");
+    let columns: Vec<_> = decoded.warnings.iter().map(|it| it.columns.clone().unwrap()).collect();
+    assert_eq!(columns, [0..3, 4..7]);
+    assert_eq!(decode_strictly("M10 M47\nM2").errors.len(), 2);
+    // LinuxCNC takes four M words, and one of M100 to M199.
+    assert_eq!(decode("M10 M11 M12 M13 M14\nM2").errors.len(), 1);
+    assert_eq!(decode("M110 M111\nM2").errors.len(), 1);
+    assert_eq!(decode("M98 P1 M47\nM2").errors.len(), 1);
+}

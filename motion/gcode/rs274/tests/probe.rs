@@ -39,7 +39,10 @@ impl ProbeTarget for Floor {
 pub(super) fn among<T: ProbeTarget + 'static>(
     make: impl Fn() -> T + Send + Sync + 'static,
 ) -> DecoderOptions {
-    DecoderOptions { surroundings: Some(Surroundings::new(make)), ..DecoderOptions::default() }
+    DecoderOptions {
+        surroundings: Some(Surroundings::new(move |_| make())),
+        ..DecoderOptions::default()
+    }
 }
 
 /// A program above a floor at `z_mm`.
@@ -186,13 +189,14 @@ fn what_the_target_is_asked() {
     options.work_offsets[0] = at([0.0, 0.0, 0.001]);
     let tool = Tool { number: 2, offset: [0.0, 0.001, 0.02], ..Tool::default() };
     options.tools = Some(ToolTable::new([tool]));
-    elements_with(options, "G43 H2 G0 X0 Y0 Z0\nN7 G38.5 X8 A45 F60\nG1 X9\nG38.3 X7 F30\nM2");
+    elements_with(options, "M61 Q2 G43 G0 X0 Y0 Z0\nN7 G38.5 X8 A45 F60\nG1 X9\nG38.3 X7 F30\nM2");
     let rotary = [45.0, 0.0, 0.0];
     let path = |place, start, end, feed, trips| ProbePath {
         place,
         start,
         end,
         point_from_tip: [0.0, 0.001, 0.02],
+        tool: 2,
         feed,
         trips,
     };
@@ -200,14 +204,14 @@ fn what_the_target_is_asked() {
     let found = paths.lock().unwrap();
     let expected = [
         path(
-            Place { line: 2, block: Some(7) },
+            Place { block: Some(7), ..Place::at(2) },
             at(xs(0.0)),
             Position { rotary, ..at(xs(0.008)) },
             0.001,
             ProbeTrip::Release,
         ),
         path(
-            Place { line: 4, block: None },
+            Place::at(4),
             Position { rotary, ..at(xs(0.009)) },
             Position { rotary, ..at(xs(0.007)) },
             0.0005,

@@ -6,8 +6,11 @@ use crate::rs274::Control;
 use std::fmt::Write as _;
 use twin_path::Place;
 
-/// X, Y, Z in mm, A, B, C in degrees.
-pub(super) type Axes = [f64; 6];
+/// X, Y, Z in mm, A, B, C in degrees, U, V, W in mm.
+pub(super) type Axes = [f64; 9];
+
+/// The letters of [`Axes`].
+pub(super) const LETTERS: [char; 9] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
 
 /// Numbers beyond this are not written, in their own units.
 const MAX_NUMBER: f64 = 1e9;
@@ -26,7 +29,7 @@ impl Block {
         Self { text: String::new(), place, needs_point: control == Control::Fanuc }
     }
 
-    /// True if it moves nothing: there is nothing in it but G words.
+    /// True if it moves nothing: it consists of G words.
     pub(super) fn is_without_numbers(&self) -> bool {
         self.text.split_ascii_whitespace().all(|word| word.starts_with('G'))
     }

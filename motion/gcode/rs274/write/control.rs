@@ -1,4 +1,4 @@
-//! Words of the controls, besides those of the table.
+//! Words of the controls that are not in the table.
 //!
 //! Feeds: `planner.c` of grblHAL and FluidNC, and Fanuc's operator's manual of the series 15i (parameter HTG).
 
@@ -22,6 +22,8 @@ impl Control {
 
     /// What it does with `word` if the writer cannot use it.
     pub(super) fn refusal(self, word: &str) -> Option<&'static str> {
+        // Words that others use for something else: Fanuc's pitch is F, and Mach3 has three names for A, B and C.
+        let is_own = matches!((self, word), (Self::Fanuc, "G33") | (Self::Mach3, "U" | "V" | "W"));
         let number: Option<u16> = word.strip_prefix('M').and_then(|number| number.parse().ok());
         let others = number.and_then(|_| row("other M words"));
         let cell = row(word).or(others)?.cell(self)?;
@@ -31,7 +33,7 @@ impl Control {
             cell.reading == Reading::Different && number.is_some_and(|it| !is_standard(it));
         let is_macro =
             self == Self::Mach3 && number.is_some_and(|it| it >= 100 || !MWords::knows(it));
-        let refused = cell.reading == Reading::Refused || (is_other && !is_macro);
+        let refused = cell.reading == Reading::Refused || is_own || (is_other && !is_macro);
         refused.then_some(cell.reason)
     }
 }

@@ -2,15 +2,14 @@
 
 mod block;
 mod control;
-mod error;
 
-pub use error::WriteError;
+pub use crate::write_error::WriteError;
 
 use super::Control;
 use super::arc::Ends;
 use super::options::LengthUnit;
 use crate::number::{read_back, text};
-use block::{Axes, Block};
+use block::{Axes, Block, LETTERS};
 use nalgebra::Point3;
 use std::convert::Infallible;
 use std::f64::consts::TAU;
@@ -50,9 +49,11 @@ impl Default for WriteOptions {
 /// Coordinates have four decimals (Fanuc: three), so that the path that a decoder reads is the same to within a
 /// micrometre; the centre of an arc is relative to its written start. Moves that are shorter than that are left out.
 /// Words appear where they change: an axis that the path does not move is not named, unless the block that the element
-/// comes from names it and its position is not known. Other paths begin with Z, then X and Y, of their start. G28, G30 and
-/// G53 are G53. Turns of an arc are P where the
-/// control has it, else an arc each.
+/// comes from names it and its position is not known. A path of another dialect begins at zero, or goes to its start with
+/// rapids before its first cut: X and Y with the first rapid or before all others, Z last. G28, G30 and G53 are G53.
+/// Turns of an arc are P where the control has it, else an arc each.
+///
+/// The passes of G76 are G33 for LinuxCNC. Other controls get no threads, and none gets G33.1, whose spindle turns back.
 ///
 /// F is per minute along the path. It counts degrees as mm where rotary axes move along with others for grblHAL,
 /// FluidNC and Fanuc, and for Fanuc it is that of the circle of a helix. Dwells are P in seconds, in milliseconds for
@@ -74,11 +75,15 @@ pub struct ProgramWriter<W> {
     /// The same as written.
     at: Axes,
     /// Axes with a position that the program has set.
-    known: [bool; 6],
+    known: [bool; 9],
     /// Axes that a position in the machine frame has moved since.
-    foreign: [bool; 6],
+    foreign: [bool; 9],
+    /// Axes of a path of another dialect that its start names and no block yet.
+    pending: [bool; 3],
     /// The path has begun.
     moved: bool,
+    /// The last move was a thread; true if the spindle has been turned on since.
+    thread: Option<bool>,
     probed: Option<Probing>,
     plane: Plane,
     /// Number of the last motion.
@@ -109,10 +114,12 @@ impl<W: Write> ProgramWriter<W> {
             control,
             tolerance: options.tolerance,
             end: None,
-            at: [0.0; 6],
-            known: [false; 6],
-            foreign: [false; 6],
+            at: [0.0; 9],
+            known: [false; 9],
+            foreign: [false; 9],
+            pending: [false; 3],
             moved: false,
+            thread: None,
             probed: None,
             plane: Plane::Xy,
             motion: None,
@@ -134,8 +141,10 @@ impl<W: Write> ProgramWriter<W> {
             }
             ElementKind::Probe { probing, outcome } => {
                 if outcome == ProbeOutcome::Tripped {
-                    let what = "a probing move without its programmed end, which the path lacks";
-                    return Err(WriteError::Inexpressible { place: element.place, what });
+                    return inexpressible(
+                        element,
+                        "a probing move without its programmed end, which the path lacks",
+                    );
                 }
                 self.line(element, Some(probing))?;
                 self.probed = Some(probing);
@@ -166,32 +175,23 @@ impl<W: Write> ProgramWriter<W> {
     /// Checks that words can express `element`, and that it goes on where the one before ended.
     fn check(&mut self, element: &PathElement) -> Result<(), WriteError> {
         let place = element.place;
-        let inexpressible = |what| Err(WriteError::Inexpressible { place, what });
         let (start, end) = (self.axes(element, false), self.axes(element, true));
         if element.marks != Marks::default() {
-            return inexpressible("G41 to G61 of DIN 66025; use --prepare");
+            return inexpressible(element, "G41 to G61 of DIN 66025; use --prepare");
         }
         if !element.switches().is_empty() {
-            return inexpressible("switches on the way (H)");
+            return inexpressible(element, "switches on the way (H)");
         }
         if let Some(details) = &element.details {
             let extra = details.extra.unwrap_or_default();
-            let differ = |(a, b): (&f64, &f64)| a.to_bits() != b.to_bits();
-            let rotary = if details.third_is_u { 2 } else { 3 };
-            if extra.start.iter().zip(&extra.end).skip(rotary).any(differ) {
-                return inexpressible("the axes U, V and W");
-            }
             if details.s_profile != AxisMask::default()
                 && ((start[2] - end[2]).abs() > 0.0 || extra.length() > 0.0)
             {
-                return inexpressible("the S profile (S3, S7 to S11)");
-            }
-            if details.spindle.is_some_and(|spindle| spindle.synchronized) {
-                return inexpressible("threads as lines: they follow the angle of the spindle");
+                return inexpressible(element, "the S profile (S3, S7 to S11)");
             }
         }
         if element.kind == ElementKind::Jump && self.moved {
-            return inexpressible("a jump of the position (tool length or G92)");
+            return inexpressible(element, "a jump of the position (tool length or G92)");
         }
         if let Some(probing) = self.probed.filter(|_| element.kind.is_motion()) {
             return Err(WriteError::AfterProbe { place, probing });
@@ -209,16 +209,18 @@ impl<W: Write> ProgramWriter<W> {
         if gap_mm <= MAX_GAP { Ok(()) } else { Err(WriteError::Gap { place, gap_mm }) }
     }
 
-    /// Start or end of `element`, mm and degrees; rotary axes that it does not name stay.
+    /// Start or end of `element`, mm and degrees; other axes that it does not name stay.
     fn axes(&self, element: &PathElement, at_end: bool) -> Axes {
         let point = if at_end { element.end() } else { element.start() };
-        let [.., a, b, c] = self.end.unwrap_or_default();
-        let [a, b, c, _, _] = match element.extra() {
-            Some(extra) if at_end => extra.end,
-            Some(extra) => extra.start,
-            None => [a, b, c, 0.0, 0.0],
-        };
-        [point.x * 1e3, point.y * 1e3, point.z * 1e3, a, b, c]
+        let mut axes = self.end.unwrap_or_default();
+        axes[..3].copy_from_slice((point.coords * 1e3).as_slice());
+        if let Some(extra) = element.extra() {
+            let [a, b, third, v, w] = if at_end { extra.end } else { extra.start };
+            let is_u = element.details.as_ref().is_some_and(|details| details.third_is_u);
+            (axes[3], axes[4], axes[7], axes[8]) = (a, b, v, w);
+            axes[if is_u { 6 } else { 5 }] = third;
+        }
+        axes
     }
 
     fn rounded(&self, axes: Axes) -> Axes {
@@ -232,26 +234,64 @@ impl<W: Write> ProgramWriter<W> {
         reason.map_or(Ok(()), |reason| Err(WriteError::Word { place, word, control, reason }))
     }
 
-    /// Brings the machine to where a path begins that does not come from blocks of RS274: Z first.
-    fn begin(&mut self, element: &PathElement) -> Result<(), WriteError> {
-        if self.moved || words(element).is_some() {
+    /// Checks that the control may have the axis `letter`; grblHAL has it if it is built with it.
+    fn check_axis(&self, place: Place, letter: char) -> Result<(), WriteError> {
+        if self.control == Control::GrblHal {
             return Ok(());
         }
-        let start = self.axes(element, false);
-        let [x, y, z, ..] = start.map(|value| text(value, self.control.decimals()));
-        let verb = if self.control == Control::Fanuc { "BEGINS AT" } else { "begins at" };
-        writeln!(self.out, "({verb} X{x} Y{y} Z{z})")?;
-        let mut up = Block::new(element.place, self.control);
-        up.push("G0");
-        self.at[2] = up.number('Z', start[2], self.control.decimals())?;
-        self.emit(&up)?;
-        let mut across = Block::new(element.place, self.control);
-        for (axis, letter) in [(0, 'X'), (1, 'Y')] {
-            self.at[axis] = across.number(letter, start[axis], self.control.decimals())?;
+        self.check_word(place, letter.to_string())
+    }
+
+    /// Millimetres for each revolution along a thread; none if `element` does not follow the spindle.
+    fn pitch(&mut self, element: &PathElement) -> Result<Option<f64>, WriteError> {
+        let spindle = element.details.as_ref().and_then(|details| details.spindle);
+        let Some(spindle) = spindle.filter(|spindle| spindle.synchronized) else {
+            self.thread = None;
+            return Ok(None);
+        };
+        self.check_word(element.place, "G33".to_owned())?;
+        if self.thread == Some(true) {
+            return inexpressible(
+                element,
+                "rigid tapping (G33.1), whose spindle turns back in the thread: write that block by hand",
+            );
         }
-        self.emit(&across)?;
-        self.known = [true, true, true, false, false, false];
-        self.motion = Some(0);
+        self.thread = Some(false);
+        Ok(Some(self.feed_of(element) / spindle.speed))
+    }
+
+    /// Brings the machine to where a path begins that does not come from blocks of RS274. Where a rapid leads it there,
+    /// or zero is its start, the path itself does.
+    fn begin(&mut self, element: &PathElement) -> Result<(), WriteError> {
+        if words(element).is_some() {
+            return Ok(());
+        }
+        if !self.moved {
+            let [x, y, z, ..] = self.at.map(|value| text(value, self.control.decimals()));
+            let verb = if self.control == Control::Fanuc { "BEGINS AT" } else { "begins at" };
+            writeln!(self.out, "({verb} X{x} Y{y} Z{z})")?;
+            self.known = [true; 9];
+            self.pending = [x, y, z].map(|number| number != "0");
+        }
+        if element.kind == ElementKind::Rapid {
+            return Ok(());
+        }
+        for axes in [0..2, 2..3] {
+            let mut block = Block::new(element.place, self.control);
+            if self.motion != Some(0) {
+                block.push("G0");
+            }
+            for axis in axes {
+                if std::mem::take(&mut self.pending[axis]) {
+                    let decimals = self.control.decimals();
+                    self.at[axis] = block.number(LETTERS[axis], self.at[axis], decimals)?;
+                }
+            }
+            if !block.is_without_numbers() {
+                self.motion = Some(0);
+                self.emit(&block)?;
+            }
+        }
         Ok(())
     }
 
@@ -265,8 +305,7 @@ impl<W: Write> ProgramWriter<W> {
         match &element.shape {
             Shape::Line { .. } => self.line(element, None),
             _ if element.kind == ElementKind::Rapid => {
-                let what = "a rapid along a curve";
-                Err(WriteError::Inexpressible { place: element.place, what })
+                inexpressible(element, "a rapid along a curve")
             }
             Shape::Arc(arc) => self.turns(element, arc),
             Shape::Ellipse(_) | Shape::Cubic(_) => self.lines(element),
@@ -282,21 +321,20 @@ impl<W: Write> ProgramWriter<W> {
         self.check_word(element.place, "G53".to_owned())?;
         let number = u8::from(element.kind != ElementKind::Rapid);
         if number == 1 && self.control == Control::Fanuc {
-            let what = "G53 with G1: Fanuc goes there at rapid";
-            return Err(WriteError::Inexpressible { place: element.place, what });
+            return inexpressible(element, "G53 with G1: Fanuc goes there at rapid");
         }
         let mut block = Block::new(element.place, self.control);
         block.push(&format!("G53 G{number}"));
-        for (axis, (value, letter)) in machine.into_iter().zip("XYZ".chars()).enumerate() {
+        for (axis, (value, letter)) in machine.into_iter().zip(LETTERS).enumerate() {
             let Some(metres) = value else { continue };
             block.number(letter, metres * 1e3, self.control.decimals())?;
             self.foreign[axis] = true;
         }
         let to = self.rounded(self.axes(element, true));
-        let turned = to.into_iter().zip(self.at).zip("XYZABC".chars()).skip(3);
-        for ((angle, before), letter) in turned {
-            if angle.to_bits() != before.to_bits() {
-                block.number(letter, angle, self.control.decimals())?;
+        for ((value, before), letter) in to.into_iter().zip(self.at).zip(LETTERS).skip(3) {
+            if value.to_bits() != before.to_bits() {
+                self.check_axis(element.place, letter)?;
+                block.number(letter, value, self.control.decimals())?;
             }
         }
         self.at = to;
@@ -305,10 +343,15 @@ impl<W: Write> ProgramWriter<W> {
         self.emit(&block)
     }
 
-    /// A straight move, or a probing move; none if no coordinate changes.
+    /// A straight move, a thread or a probing move; none if no coordinate changes.
     fn line(&mut self, element: &PathElement, probing: Option<Probing>) -> Result<(), WriteError> {
         let place = element.place;
-        let number = u8::from(element.kind != ElementKind::Rapid);
+        let pitch = self.pitch(element)?;
+        let number = match element.kind {
+            ElementKind::Rapid => 0,
+            _ if pitch.is_some() => 33,
+            _ => 1,
+        };
         let mut block = Block::new(place, self.control);
         if let Some(probing) = probing {
             self.check_word(place, probing.to_string())?;
@@ -316,9 +359,15 @@ impl<W: Write> ProgramWriter<W> {
         } else if self.motion != Some(number) {
             block.push(&format!("G{number}"));
         }
-        let to = self.target(&mut block, element, &[])?;
+        let is_rapid = element.kind == ElementKind::Rapid;
+        let forced: &[usize] =
+            if is_rapid && (self.pending[0] || self.pending[1]) { &[0, 1] } else { &[] };
+        let to = self.target(&mut block, element, forced)?;
         if block.is_without_numbers() {
             return Ok(());
+        }
+        if let Some(pitch) = pitch {
+            block.number('K', pitch, 6)?;
         }
         self.pace(&mut block, element)?;
         self.motion = Some(number).filter(|_| probing.is_none());
@@ -334,21 +383,26 @@ impl<W: Write> ProgramWriter<W> {
         forced: &[usize],
     ) -> Result<Axes, WriteError> {
         let (mut to, decimals) = (self.at, self.control.decimals());
-        let named = words(element).map_or([false; 6], |words| words.named);
-        let ends = self.axes(element, true).into_iter().zip("XYZABC".chars());
+        let named = words(element).map_or([false; 9], |words| words.named);
+        let ends = self.axes(element, true).into_iter().zip(LETTERS);
         for (index, ((value, letter), slot)) in ends.zip(&mut to).enumerate() {
             let changes = read_back(value, decimals).to_bits() != slot.to_bits();
             let is_unknown = !self.known[index] || self.foreign[index];
             if changes && is_unknown && !named[index] {
-                let what = "a move by G91 from a position that no block has named";
-                return Err(WriteError::Inexpressible { place: element.place, what });
+                return inexpressible(
+                    element,
+                    "a move by G91 from a position that no block has named",
+                );
             }
             let is_needed = named[index] && is_unknown;
             if !(changes || is_needed || forced.contains(&index)) {
                 continue;
             }
-            if index > 2 && self.control != Control::GrblHal {
-                self.check_word(element.place, letter.to_string())?;
+            if index > 2 {
+                self.check_axis(element.place, letter)?;
+            }
+            if let Some(pending) = self.pending.get_mut(index) {
+                *pending = false;
             }
             *slot = block.number(letter, value, decimals)?;
             (self.known[index], self.foreign[index]) = (true, false);
@@ -358,7 +412,9 @@ impl<W: Write> ProgramWriter<W> {
 
     /// F and S where they change.
     fn pace(&mut self, block: &mut Block, element: &PathElement) -> Result<(), WriteError> {
-        if element.kind != ElementKind::Rapid {
+        let spindle = element.details.as_ref().and_then(|details| details.spindle);
+        let follows = spindle.is_some_and(|spindle| spindle.synchronized);
+        if element.kind != ElementKind::Rapid && !follows {
             let value = self.feed_of(element);
             let decimals = if value < 0.1 { 9 } else { 4 };
             let feed = read_back(value, decimals);
@@ -369,7 +425,6 @@ impl<W: Write> ProgramWriter<W> {
                 self.feed = Some(block.number('F', value, decimals)?);
             }
         }
-        let spindle = element.details.as_ref().and_then(|details| details.spindle);
         if let Some(speed) = spindle.map(|spindle| self.rounded_speed(spindle.speed))
             && self.speed != Some(speed)
         {
@@ -387,7 +442,11 @@ impl<W: Write> ProgramWriter<W> {
     fn feed_of(&self, element: &PathElement) -> f64 {
         let (feed, length) = (element.feed * 60e3, element.tool_length());
         if length <= 0.0 {
-            return feed;
+            // Where U, V or W move, the angles of A, B and C do not count.
+            let (from, to) = (self.axes(element, false), self.axes(element, true));
+            let [.., u, v, w] = std::array::from_fn::<f64, 9, _>(|axis| to[axis] - from[axis]);
+            let shift = u.hypot(v).hypot(w) * 1e-3;
+            return if shift > 0.0 { feed * (shift / element.length()) } else { feed };
         }
         match &element.shape {
             Shape::Arc(arc) if self.control == Control::Fanuc => {
@@ -447,8 +506,10 @@ impl<W: Write> ProgramWriter<W> {
             Plane::Yz => ("G19", [1, 2]),
         };
         if axes.iter().any(|axis| self.foreign[*axis]) {
-            let what = "an arc from a position in the machine frame (G28, G30, G53)";
-            return Err(WriteError::Inexpressible { place: element.place, what });
+            return inexpressible(
+                element,
+                "an arc from a position in the machine frame (G28, G30, G53)",
+            );
         }
         if self.plane != arc.plane() {
             block.push(plane);
@@ -535,6 +596,7 @@ impl<W: Write> ProgramWriter<W> {
         };
         match number {
             3 | 4 => {
+                self.thread = self.thread.map(|_| true);
                 k = k.map(|speed| self.rounded_speed(speed));
                 self.speed = k.or(self.speed);
             }
@@ -586,6 +648,10 @@ impl<W: Write> ProgramWriter<W> {
         writeln!(self.out, "{}", block.text)?;
         Ok(())
     }
+}
+
+fn inexpressible<T>(element: &PathElement, what: &'static str) -> Result<T, WriteError> {
+    Err(WriteError::Inexpressible { place: element.place, what })
 }
 
 /// Words of the block of `element`, if it is one of RS274.

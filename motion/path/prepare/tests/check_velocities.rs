@@ -181,7 +181,7 @@ fn limits_must_be_positive_and_finite() {
 /// Programs are in mm (manual 3.2), and so are the messages about them.
 #[test]
 fn messages_are_in_millimetres() {
-    let place = Place { line: 3, block: Some(10) };
+    let place = Place { block: Some(10), ..Place::at(3) };
     let limit = |limit, value| CheckError::NonPositiveLimit { place, limit, value };
     let errors: [Error; 7] = [
         limit(Limit::Feed, 0.0).into(),

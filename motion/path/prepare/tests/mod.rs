@@ -49,7 +49,7 @@ fn through<I: Iterator<Item = Item>>(
 }
 
 fn element(kind: ElementKind, shape: Shape, feed: f64) -> PathElement {
-    let place = Place { line: 1, block: Some(10) };
+    let place = Place { block: Some(10), ..Place::at(1) };
     let limits = PathElement::new(place, kind, shape);
     PathElement { feed, acceleration: 0.1, deceleration: 0.1, ..limits }
 }
@@ -164,7 +164,7 @@ fn placed(numbers: &[f64], before: Point3<f64>) -> Point3<f64> {
 /// The elements on lines 1, 2, 3 … of the program.
 fn numbered(mut elements: Vec<PathElement>) -> Vec<PathElement> {
     for (number, element) in (1..).zip(&mut elements) {
-        element.place = Place { line: number, block: None };
+        element.place = Place::at(number);
     }
     elements
 }

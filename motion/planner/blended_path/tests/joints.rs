@@ -301,11 +301,7 @@ fn extreme_lengths() {
 #[test]
 fn delegates() {
     let mut path = corner(0.5, [0.1, 0.1]);
-    path.push(PathElement {
-        place: Place { line: 7, block: None },
-        kind: ElementKind::Rapid,
-        ..path[1].clone()
-    });
+    path.push(PathElement { place: Place::at(7), kind: ElementKind::Rapid, ..path[1].clone() });
     let course = course(path, within(1e-4));
     let [first, second, third] = &course[..] else { panic!("{course:?}") };
     assert_eq!((first.feed(), first.acceleration(), first.deceleration()), (0.05, 0.1, 0.2));

@@ -7,10 +7,7 @@ use twin_path::{ElementKind, ProbeOutcome, Probing};
 fn zigzag(count: u32) -> Vec<PathElement> {
     let at = |index: u32| [f64::from(index) * 0.01, f64::from(index % 2) * 0.01, 0.0];
     (0..count)
-        .map(|index| PathElement {
-            place: Place { line: index + 1, block: None },
-            ..line(at(index), at(index + 1))
-        })
+        .map(|index| PathElement { place: Place::at(index + 1), ..line(at(index), at(index + 1)) })
         .collect()
 }
 

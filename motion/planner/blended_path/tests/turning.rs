@@ -61,7 +61,7 @@ fn on_circles_the_direction_turns_evenly() {
 fn corners_are_turned_at_rest() {
     for turn in [0.02, 1.0, -2.0, 3.0, PI, -3.1] {
         let mut path = corner(turn, [0.1, 0.1]);
-        path[1].place = Place { line: 7, block: None };
+        path[1].place = Place::at(7);
         let path: Vec<_> = path.into_iter().map(|line| with_p(line, 5.0, 5.0)).collect();
         let course = stopping(path, turning(1e-5));
         let [before, spot, after] = &course[..] else { panic!("{course:?}") };

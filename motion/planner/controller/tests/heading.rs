@@ -96,7 +96,7 @@ fn rates_are_derivatives() {
             acceleration: 0.3,
             deceleration: 0.2,
             ..PathElement::new(
-                twin_path::Place { line: 5, block: None },
+                twin_path::Place::at(5),
                 ElementKind::Cut,
                 Shape::Cubic(Box::new(shape)),
             )

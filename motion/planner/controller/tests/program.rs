@@ -52,7 +52,7 @@ impl Pen {
 
     fn push(&mut self, kind: ElementKind, shape: Shape) {
         let line = u32::try_from(self.elements.len()).unwrap() + 1;
-        let place = Place { line, block: Some(10 * line) };
+        let place = Place { block: Some(10 * line), ..Place::at(line) };
         self.elements.push(Ok(PathElement {
             feed: self.feed,
             acceleration: self.acceleration,

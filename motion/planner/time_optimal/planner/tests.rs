@@ -37,7 +37,7 @@ impl Case {
     fn plan(self, solvable: bool) -> (Vec<Leg>, u64, u64) {
         let Self { shapes, limits, feed, tolerance } = self;
         let elements = shapes.into_iter().zip(1..).map(|(shape, line)| {
-            let place = Place { line, block: None };
+            let place = Place::at(line);
             let made = PathElement::new(place, ElementKind::Cut, shape);
             let (acceleration, deceleration) = (20.0, 20.0);
             Ok::<_, CheckError>(PathElement { feed, acceleration, deceleration, ..made })
@@ -103,7 +103,7 @@ fn a_long_element_is_planned_window_by_window() {
         let limits = AxisLimits { velocity: 0.4, acceleration: 2.0, deceleration: 2.0, jerk };
         let (start, center) = (Point3::origin(), Point3::new(0.25, 0.0, 0.0));
         let arc = Arc::new(start, start, center, TAU);
-        let place = Place { line: 1, block: None };
+        let place = Place::at(1);
         let made = PathElement::new(place, ElementKind::Cut, Shape::Arc(arc));
         let element = PathElement { feed: 1e-4, acceleration: 20.0, deceleration: 20.0, ..made };
         let checked = CheckVelocities::new(std::iter::once(Ok::<_, CheckError>(element)), PI);
@@ -124,7 +124,7 @@ fn slow_curves_have_long_legs() {
     for jerk in [None, Some(60.0)] {
         let limits = AxisLimits { velocity: 0.4, acceleration: 3.0, deceleration: 3.0, jerk };
         let circle = Arc::new(Point3::origin(), Point3::origin(), Point3::new(0.02, 0.0, 0.0), TAU);
-        let place = Place { line: 1, block: None };
+        let place = Place::at(1);
         let made = PathElement::new(place, ElementKind::Cut, Shape::Arc(circle));
         let element = PathElement { feed: 0.02, acceleration: 20.0, deceleration: 20.0, ..made };
         let plan = |longest: f64| {
@@ -349,7 +349,7 @@ fn any_number_of_workers_makes_the_same_plan() {
         let mut elements = Vec::new();
         let mut last = Point3::origin();
         for number in 0..120_u32 {
-            let place = Place { line: number + 1, block: None };
+            let place = Place::at(number + 1);
             let angle = f64::from(number * number % 17);
             let next = last + nalgebra::Vector3::new(angle.cos(), angle.sin(), 0.0) * 0.02;
             let (kind, shape) = match number % 12 {

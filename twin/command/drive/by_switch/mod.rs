@@ -20,7 +20,7 @@ use words::Search;
 #[expect(clippy::struct_excessive_bools, reason = "options of a command, each given or not")]
 pub(super) struct BySwitch {
     /// Home one axis by looking at a switch and moving the axis, not by the drive's own homing, in this mode of `SMC_Homing`: 0
-    /// fast onto the switch, slowly back off it, where it opens is home; 1 as 0, but where the axis then stands is home; 4 and 5
+    /// fast onto the switch, slowly back off it, where it opens is home; 1 as 0, but where the axis then stops is home; 4 and 5
     /// as 0 and 1, but slowly on over the switch; 2 and 6 as 0 and 4, but the next index pulse is home (--index-input)
     #[arg(long = "by-switch", id = "by_switch", value_name = "MODE", value_parser = mode)]
     mode: Option<HomingMode>,

@@ -170,7 +170,7 @@ impl Source {
             .mount_tool(&flange, &tool.tip, tool.mass)
             .map_err(|error| refuse(error.to_string()))
             .ok()?;
-        mount(given.payload, given.tool, &mut model, &flange, body)?;
+        mount(given.payload, given.tool, &mut model, &flange, [given.root, body])?;
         agree::check(&self, given, machine, &model, &flange)?;
         Some(Built { model, flange, axes, warnings, hints })
     }

@@ -51,7 +51,7 @@ const CHAMFERED: &str = "0,0 95,0 100,5 100,100";
 fn an_element_between_inner_corners_reverses() {
     let (path, notices) = with_notices(contour(path(CHAMFERED), LEFT, 10.0));
     assert_path(&path, OFFSET);
-    let place = Place { line: 2, block: None };
+    let place = Place::at(2);
     assert_eq!(notices, [Notice::TooNarrow { place, radius: None, tool_radius: 0.01 }]);
     assert_eq!(notices[0].rule(), "compensation-gouge");
     // A smaller tool fits.

@@ -3,19 +3,26 @@
 //! F per minute (G94) and per revolution (G95) are modal, F of inverse time (G93) belongs to its line. F does not
 //! govern rapids: those of G0, G28, G30 and of canned cycles are reported if they are too fast. So are threads and
 //! tapping, whose feeds follow from the pitch.
+//!
+//! [`refeed`] goes from line to line and needs no memory for them; [`refeed_repeated`] is for programs with loops,
+//! conditions and subroutines.
 
-use super::block::Letter;
-use super::decoder::{Decoder, MAX_LINE_BYTES};
-use super::options::{DecoderOptions, LengthUnit};
-use super::state::{Feed, MAX_FEED, State};
-use super::word::{FeedMode, Motion};
+mod repeated;
+
 use crate::decode;
 use crate::refeed::{
     Edit, Interpreter, Limits, LineLimit, Reason, Refed, RefeedError, Unrepaired, has_room,
     is_below, is_suppressed, rewrite, rounded_down,
 };
+use crate::rs274::block::Letter;
+use crate::rs274::decoder::{Decoder, MAX_LINE_BYTES};
+use crate::rs274::options::{DecoderOptions, LengthUnit};
+use crate::rs274::state::{Feed, MAX_FEED, State};
+use crate::rs274::word::{FeedMode, Motion};
 use std::io::{self, BufRead, Cursor, Write};
 use twin_path::{ElementKind, PathElement};
+
+pub use repeated::refeed_repeated;
 
 /// Feeds that are nearer to each other are the same: one may have come back through another unit of length.
 const SAME: f64 = 1e-9;
@@ -26,7 +33,7 @@ const SAME: f64 = 1e-9;
 /// late ([`RefeedError::Late`]); no more than a few lines are held.
 ///
 /// # Errors
-/// If reading, writing or a limit fails.
+/// If reading, writing or a limit fails, and [`RefeedError::Repeated`] where a loop, a condition or a subroutine begins.
 pub fn refeed(
     reader: impl BufRead,
     options: &DecoderOptions,
@@ -84,6 +91,22 @@ struct Cut {
 }
 
 impl Moves {
+    /// Those of the line that `decoder` executed last. Takes its elements.
+    fn of<R>(decoder: &mut Decoder<R>) -> Self {
+        let mut moves = Self::default();
+        for item in decoder.out.items.drain(..) {
+            if let Ok(decode::Item::Element(element)) = item {
+                moves.include(&element, &decoder.state);
+            }
+        }
+        if let (Some(cut), Some(feed)) = (&mut moves.cut, decoder.state.feed)
+            && decoder.state.feed_mode == FeedMode::PerRevolution
+        {
+            cut.speed *= cut.feed / cut.own(feed);
+        }
+        moves
+    }
+
     /// Adds `element`; `state` is that behind it.
     fn include(&mut self, element: &PathElement, state: &State) {
         match element.kind {
@@ -114,6 +137,20 @@ impl Cut {
         let feed = feed / self.speed;
         if self.turns { feed * 1e3 * 60.0 } else { units.convert_metres(feed) * 60.0 }
     }
+
+    /// The F word for the feed that is programmed, by the last F and its units.
+    fn as_programmed(self, programmed: Option<(f64, LengthUnit)>, units: LengthUnit) -> f64 {
+        match programmed {
+            // Per minute, whatever the units.
+            Some((number, was)) if self.turns || was == units => number,
+            _ => {
+                let number = self.number(self.feed, units);
+                // What the change of units has added is noise.
+                let text = format!("{number:.12e}");
+                text.parse().unwrap_or(number)
+            }
+        }
+    }
 }
 
 fn is_same(one: f64, other: f64) -> bool {
@@ -131,17 +168,7 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
         text.extend_from_slice(line);
         decoder.source.reader.set_position(0);
         decoder.step()?;
-        let mut moves = Moves::default();
-        for item in decoder.out.items.drain(..) {
-            if let Ok(decode::Item::Element(element)) = item {
-                moves.include(&element, &decoder.state);
-            }
-        }
-        if let (Some(cut), Some(feed)) = (&mut moves.cut, decoder.state.feed)
-            && decoder.state.feed_mode == FeedMode::PerRevolution
-        {
-            cut.speed *= cut.feed / cut.own(feed);
-        }
+        let moves = Moves::of(decoder);
         let word = decoder.block.get(Letter::F).filter(|f| (0.0..=MAX_FEED).contains(f));
         match word.filter(|_| decoder.state.feed_mode != FeedMode::InverseTime) {
             Some(number) => {
@@ -192,23 +219,8 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
     }
 
     fn report(&self, reason: Reason, programmed: f64, limit: f64, refed: &mut Refed) {
-        let place = self.decoder.out.place();
+        let place = self.decoder.out.place;
         refed.report(Unrepaired { place, reason, programmed, limit });
-    }
-
-    /// The F word that a cut needs for the feed that is programmed.
-    fn as_programmed(&self, cut: Cut, units: LengthUnit) -> (f64, String) {
-        let number = match self.programmed {
-            // Per minute, whatever the units.
-            Some((number, was)) if cut.turns || was == units => number,
-            _ => {
-                let number = cut.number(cut.feed, units);
-                // What the change of units has added is noise.
-                let text = format!("{number:.12e}");
-                text.parse().unwrap_or(number)
-            }
-        };
-        (number, number.to_string())
     }
 }
 
@@ -246,17 +258,16 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Interpreter for Running<I> {
             return Ok(self.inverse(line, cut, limit.feed, refed));
         }
         let lowered = !taps && is_below(limit.feed, cut.feed);
-        let (number, text) = if lowered {
-            if let Some(lower) = rounded_down(cut.number(limit.feed, units)) {
-                refed.lowered += 1;
-                lower
-            } else {
-                self.report(Reason::NoFeed, cut.feed, limit.feed, refed);
-                self.as_programmed(cut, units)
-            }
-        } else {
-            self.as_programmed(cut, units)
-        };
+        let lower = if lowered { rounded_down(cut.number(limit.feed, units)) } else { None };
+        match &lower {
+            Some(_) => refed.lowered += 1,
+            None if lowered => self.report(Reason::NoFeed, cut.feed, limit.feed, refed),
+            None => {}
+        }
+        let (number, text) = lower.unwrap_or_else(|| {
+            let number = cut.as_programmed(self.programmed, units);
+            (number, number.to_string())
+        });
         let feed = Feed::per_minute(number, units);
         let is_there = self.written.is_some_and(|now| is_same(cut.own(now), cut.own(feed)));
         let columns = self.decoder.block.get(Letter::F).and(self.decoder.block.columns(Letter::F));
