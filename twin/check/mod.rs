@@ -15,6 +15,7 @@ mod following;
 mod following_tests;
 #[cfg(test)]
 mod gap_tests;
+mod handling;
 #[cfg(test)]
 mod input_tests;
 mod instant;
@@ -39,8 +40,9 @@ use crate::m_function::Acknowledgement;
 use crate::m_function::MCalls;
 use crate::peak::AxisPeak;
 use crate::planning::Planning;
-use crate::plant::PlantRecord;
+use crate::plant::{BodyRecord, PlantRecord};
 use crate::program::{Dialect, ProgramFile};
+use crate::setpoint::AxisSetpoint;
 use crate::setpoint_source::PlanItem;
 use checker::Checker;
 pub use clearance::{ClearanceCsv, ClearancePicture};
@@ -53,7 +55,9 @@ pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
 pub use options::{CheckFailure, CheckOptions};
 pub(crate) use plan_check::PlanCheck;
 use rehearsal::Rehearsal;
-pub use run_findings::{drive_errors, faults_to_come, following_errors, happening, happenings};
+pub use run_findings::{
+    drive_errors, faults_to_come, following_errors, handled, happening, happenings,
+};
 use std::collections::BTreeSet;
 use twin_kinematics::AxisVector;
 use twin_machine::Machine;
@@ -102,6 +106,8 @@ pub struct Outcome {
     pub end: Option<AxisVector>,
     /// Loads of the simulated motors, machine-file order; none if it was not simulated.
     pub loads: Vec<MotorLoad>,
+    /// Loose bodies at the end, machine-file order; none if they were not simulated.
+    pub bodies: Vec<BodyRecord>,
     /// Smallest clearances; none if the machine file has no obstacles and no collision check.
     pub clearances: Clearances,
     /// Smallest distance from the edge of the reach; none if the machine has no such edge, or no path is planned in pieces.
@@ -217,7 +223,8 @@ fn checked(
                     m_functions.observe(&call);
                     way.as_mut().map_or(Ok(()), |way| way.observe(machine, &call))?;
                 }
-                checker.tool(&tool)
+                let m_call = items.m_call();
+                checker.tool(&tool).map(|setpoint| AxisSetpoint { m_call, ..setpoint })
             }
             PlanItem::Bridging(instant) => checker.bridging(&instant),
             PlanItem::Axes(setpoint) => Some(*checker.axes(&setpoint)),
@@ -281,7 +288,7 @@ fn checked(
         finding::sort(&mut outcome.findings);
     }
     outcome.findings_left_out += record.left_out;
-    outcome.loads = record.loads;
+    (outcome.loads, outcome.bodies) = (record.loads, record.bodies);
     outcome.clearances = way.map(Way::into_found).unwrap_or_default();
     outcome.findings_left_out += items.left_out();
     outcome.elements = items.elements();
@@ -305,6 +312,11 @@ fn simulated(machine: &Machine, record: &PlantRecord, checker: &mut Checker<'_>)
     }
     for finding in faults_to_come(machine, record) {
         checker.findings.add(Some(About::Simulated), finding);
+    }
+    for event in &record.handled {
+        if let Some(finding) = handled(machine, event) {
+            checker.findings.add(Some(About::Handling(event.subject())), finding);
+        }
     }
     for happening in &record.happenings {
         if let Some(finding) = messages::happened(machine, happening) {

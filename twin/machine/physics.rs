@@ -2,10 +2,10 @@
 
 use super::{Collision, Machine};
 use twin_kinematics::AxisVector;
-use twin_physics::{PhysicsError, PhysicsMachine, axis_inertia};
+use twin_physics::{PhysicsError, PhysicsMachine, axis_inertia, check_bodies};
 
 impl Machine {
-    /// The machine in rapier at rest at `start`, with its drives and its obstacles.
+    /// The machine in rapier at rest at `start`, with its drives, its obstacles and what it handles.
     ///
     /// # Errors
     /// [`PhysicsError`] if bodies or drives cannot be simulated; [`super::SimulationError::of`] names them.
@@ -16,6 +16,7 @@ impl Machine {
         let mut physics =
             PhysicsMachine::new(&self.model, &drives, self.gravity, start, self.cycle_ns)?;
         if let Some(Collision { surroundings, .. }) = &self.collision {
+            check_bodies(&self.model, surroundings, start)?;
             physics.insert_surroundings(surroundings)?;
         }
         Ok(physics)

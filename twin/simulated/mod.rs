@@ -1,12 +1,16 @@
 //! Simulated machine as a plant: one simulated cycle per set-point.
 
+mod handling;
 #[cfg(test)]
 pub(crate) mod tests;
 
 use crate::in_loop::DrivesInLoop;
-use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch};
+use crate::plant::{
+    AxisFeedback, Blow, BodyHappening, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch,
+};
 use crate::setpoint::{AxisSetpoint, HORIZON_NS};
 use crate::touch_probe::TouchProbe;
+use handling::Handling;
 use std::collections::{BTreeMap, VecDeque};
 use twin_kinematics::{AxisMotion, AxisVector};
 use twin_machine::{Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError};
@@ -40,6 +44,7 @@ pub struct Simulated {
     /// Jammed axes with the end of the jam, ns.
     jammed: Vec<(usize, i64)>,
     probe: Option<TouchProbe>,
+    handling: Option<Handling>,
 }
 
 /// Happenings, by line, axis and kind.
@@ -80,6 +85,7 @@ impl Simulated {
             faults: Vec::new(),
             jammed: Vec::new(),
             probe,
+            handling: Handling::of(machine),
         })
     }
 
@@ -254,6 +260,9 @@ impl Plant for Simulated {
             self.physics.axis_state().position
         };
         self.feel(setpoint, &position)?;
+        if let Some(handling) = &mut self.handling {
+            handling.act(setpoint, &mut self.physics);
+        }
         self.arrived = Some(AxisFeedback { time_ns: setpoint.time_ns, position });
         self.motors.clear();
         self.motors.extend((0..position.len()).map(|axis| self.physics.motor_state(axis)));
@@ -280,7 +289,12 @@ impl Plant for Simulated {
         std::mem::take(&mut self.happened.news)
     }
 
+    fn body_news(&mut self) -> Vec<BodyHappening> {
+        self.handling.as_mut().map(Handling::news).unwrap_or_default()
+    }
+
     fn record(&self) -> PlantRecord {
+        let handling = self.handling.as_ref();
         let axes = self.physics.setpoint().position.len();
         PlantRecord {
             happenings: self.happened.kept.values().copied().collect(),
@@ -288,7 +302,9 @@ impl Plant for Simulated {
             touches: self.happened.touches.clone(),
             missed: self.missed(),
             faults_to_come: self.faults.clone(),
-            left_out: self.happened.left_out,
+            handled: handling.map(Handling::happened).unwrap_or_default(),
+            bodies: handling.map(|it| it.bodies(&self.physics)).unwrap_or_default(),
+            left_out: self.happened.left_out + handling.map_or(0, |handling| handling.left_out),
             loads: (0..axes).map(|axis| self.physics.motor_load(axis)).collect(),
         }
     }
