@@ -37,9 +37,12 @@ fn cup(force: f64) -> String {
     )
 }
 
-/// The portal with this scene next to it, and a program.
+/// The portal with this scene next to it, and a program; M10 and M11 take 0.3 s, M20 0.5 s and M21 2 s.
 fn desk(scene: &str, program: &str) -> Desk {
     let desk = Desk::new();
+    for (number, time_ms) in [(10, 300), (11, 300), (20, 500), (21, 2000)] {
+        desk.add_to_machine(&format!("\n[[m_functions]]\nm = {number}\ntime_ms = {time_ms}\n"));
+    }
     desk.write("scene.toml", scene);
     desk.write("program.cnc", &format!("% handling\n{program}"));
     desk
@@ -74,13 +77,12 @@ const PICK: &str = "\
 N10 G1 X100 Y50 Z-20 F100 E1000 E-1000
 N20 G1 Z-29 F20 E200 E-200
 N30 M10
-N40 G4 T0.3
 ";
 
 #[test]
 fn a_part_is_picked_carried_and_put_down() {
     let away = "N50 G1 Z0\nN60 G1 X300 Y150 F100 E1000 E-1000\n";
-    let down = "N70 G1 Z-29 F20 E200 E-200\nN80 M11\nN90 G4 T0.3\nN100 G1 Z0\n";
+    let down = "N70 G1 Z-29 F20 E200 E-200\nN80 M11\nN100 G1 Z0\n";
     let desk = self::desk(&format!("{TABLE}{PART}{}", cup(40.0)), &format!("{PICK}{away}{down}"));
     let found = report(&desk, 0);
     assert_at(&found, [300.0, 150.0, -45.0], 5e-3);
@@ -90,32 +92,31 @@ fn a_part_is_picked_carried_and_put_down() {
     assert_eq!(desk.read("r.json")["bodies"], found["bodies"]);
 
     // It hangs where it was taken: its middle 16 mm below the tip.
-    let desk = self::desk(
-        &format!("{TABLE}{PART}{}", cup(40.0)),
-        &format!("{PICK}{away}N70 G4 T0.5\n"),
-    );
+    let desk =
+        self::desk(&format!("{TABLE}{PART}{}", cup(40.0)), &format!("{PICK}{away}N70 M20\n"));
     let found = report(&desk, 0);
     assert_at(&found, [300.0, 150.0, -16.0], 2e-2);
     assert_eq!(found["bodies"][0]["held_by"], "cup");
 }
 
-/// A cup of 10.3 N carries 1 kg with 0.5 m/s², and loses it where m·√(g² + a²) is more: above 3.14 m/s².
+/// A cup of 11 N carries 1 kg with 3.5 m/s², and loses it where m·√(g² + a²) is more: above 4.98 m/s².
 #[test]
 fn a_part_is_lost_at_the_acceleration_that_the_cup_does_not_hold() {
     let carry = |acceleration: u32| {
         let line = format!("N60 G1 X300 F300 E{acceleration} E-{acceleration}\n");
-        let program = format!("{PICK}N50 G1 Z0\n{line}N70 G4 T0.5\n");
-        self::desk(&format!("{TABLE}{PART}{}", cup(10.3)), &program)
+        let program = format!("{PICK}N50 G1 Z0\n{line}N70 M20\n");
+        let desk = self::desk(&format!("{TABLE}{PART}{}", cup(11.0)), &program);
+        let limit = "max_acceleration_mm_per_s2 = 3000.0";
+        desk.edit_machine(limit, "max_acceleration_mm_per_s2 = 10000.0");
+        desk
     };
-    let held = report(&carry(500), 0);
+    let held = report(&carry(3500), 0);
     assert_eq!(held["bodies"][0]["held_by"], "cup");
-    let desk = carry(4000);
-    desk.edit_machine("max_acceleration_mm_per_s2 = 3000.0", "max_acceleration_mm_per_s2 = 5000.0");
-    let lost = report(&desk, 1);
+    let lost = report(&carry(8000), 1);
     let loss = finding(&lost, "part-lost");
-    assert_eq!((number(&loss["limit"]), &loss["unit"]), (10.3, &Value::from("N")), "{loss}");
-    assert!((10.3..G.hypot(5.0)).contains(&number(&loss["value"])), "{loss}");
-    assert_eq!((&loss["line"], &loss["block"]), (&7.into(), &60.into()), "{loss}");
+    assert_eq!((number(&loss["limit"]), &loss["unit"]), (11.0, &Value::from("N")), "{loss}");
+    assert!((11.0..G.hypot(10.0)).contains(&number(&loss["value"])), "{loss}");
+    assert_eq!((&loss["line"], &loss["block"]), (&6.into(), &60.into()), "{loss}");
     let message = loss["message"].as_str().expect("a message");
     assert!(message.contains("gripper cup lost part") && message.contains("acceleration"));
     assert_eq!(lost["bodies"][0]["held_by"], Value::Null);
@@ -124,7 +125,7 @@ fn a_part_is_lost_at_the_acceleration_that_the_cup_does_not_hold() {
 /// The tip is 10 mm above the part, and the cup reaches 2 mm.
 #[test]
 fn a_grip_is_missed() {
-    let program = "N10 G1 X100 Y50 Z-20 F100 E1000 E-1000\nN15 G4 T0.2\nN20 M10\nN30 G4 T0.2\n";
+    let program = "N10 G1 X100 Y50 Z-20 F100 E1000 E-1000\nN15 M20\nN20 M10\n";
     let desk = self::desk(&format!("{TABLE}{PART}{}", cup(40.0)), program);
     let found = report(&desk, 1);
     let miss = finding(&found, "grip-missed");
@@ -139,11 +140,13 @@ fn a_grip_is_missed() {
 /// A clamp that holds a part of 1 kg in the air holds m·g: 9.9 N do, 9.7 N do not, and the part falls.
 #[test]
 fn a_clamp_holds_the_weight_of_its_part() {
-    let part = |clamp: f64| PART.replace("-45]", &format!("100]\nclamp_n = {clamp}"));
-    let scene = |clamp: f64| format!("{}{}", TABLE.replace("[300,", "[3000,"), part(clamp));
-    let waiting = "N10 G1 X1 F10 E1000 E-1000\nN20 G4 T1.5\n";
+    let place = "[100, 50, -45]";
+    assert!(PART.contains(place));
+    let part = |clamp: f64| PART.replace(place, &format!("[5000, 50, 100]\nclamp_n = {clamp}"));
+    let scene = |clamp: f64| format!("{TABLE}{}", part(clamp));
+    let waiting = "N10 G1 X1 F10 E1000 E-1000\nN20 M21\n";
     let held = report(&self::desk(&scene(9.9), waiting), 0);
-    assert_at(&held, [100.0, 50.0, 100.0], 1e-3);
+    assert_at(&held, [5000.0, 50.0, 100.0], 1e-3);
     let fallen = report(&self::desk(&scene(9.7), waiting), 1);
     let gave_way = finding(&fallen, "clamp-overloaded");
     assert!((number(&gave_way["value"]) - G).abs() < 1e-3, "{gave_way}");
@@ -167,8 +170,7 @@ fn a_pushed_part_has_moved() {
 #[test]
 fn a_belt_carries() {
     let belt = TABLE.replace("material =", "belt_mm_per_s = [100, 0, 0]\nmaterial =");
-    let desk =
-        self::desk(&format!("{belt}{PART}"), "N10 G1 X1 F10 E1000 E-1000\nN20 G4 T2\n");
+    let desk = self::desk(&format!("{belt}{PART}"), "N10 G1 X1 F10 E1000 E-1000\nN20 M21\n");
     let found = report(&desk, 0);
     let way = 100.0 * number(&found["duration_s"]) - 1e3 * 0.1 * 0.1 / (2.0 * 0.5 * G);
     assert_at(&found, [100.0 + way, 50.0, -45.0], 0.2);
@@ -181,10 +183,10 @@ fn a_switch_of_the_path_closes_a_gripper() {
     let program = "\
 N10 G1 X100 Y50 Z-20 F100 E1000 E-1000
 N20 G1 Z-29 F20 E200 E-200
-N25 G4 T0.2
+N25 M20
 N30 G1 Z0 H1 O0
 N40 G1 X200 H-1 O1
-N50 G4 T1
+N50 M21
 ";
     let found = report(&self::desk(&format!("{TABLE}{PART}{cup}"), program), 0);
     let place = &found["bodies"][0]["pose"]["position_mm"];

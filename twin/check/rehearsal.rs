@@ -7,7 +7,7 @@ use crate::setpoint::{AxisSetpoint, resting_behind};
 use crate::simulated::Simulated;
 use std::collections::VecDeque;
 use twin_machine::{Machine, Scenario, SimulationError};
-use twin_physics::PhysicsError;
+use twin_physics::{Part, PhysicsError};
 
 /// The simulated machine on which a program is tried.
 #[derive(Debug)]
@@ -82,7 +82,9 @@ impl<'m> Rehearsal<'m> {
             let twin = match Simulated::new(self.machine, &setpoint.axes.position) {
                 Ok(twin) => twin,
                 // The check of set-points reports how deep.
-                Err(SimulationError { error: PhysicsError::Overlap { parts, .. }, .. }) => {
+                Err(SimulationError { error: PhysicsError::Overlap { parts, .. }, .. })
+                    if !parts.iter().any(|part| matches!(part, Part::Body(_))) =>
+                {
                     let note = messages::starts_inside(self.machine, setpoint.place, parts);
                     checker.findings.add(None, note);
                     self.lost = true;

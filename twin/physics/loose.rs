@@ -298,7 +298,8 @@ impl Loose {
             let [one, other] = touch.parts;
             let by = if other == Part::Body(index) { one } else { other };
             let is_it = touch.parts.contains(&Part::Body(index));
-            (is_it && matches!(by, Part::Link(_) | Part::Tool)).then_some(by)
+            // The base carries.
+            (is_it && matches!(by, Part::Link(1..) | Part::Tool)).then_some(by)
         });
         self.pushed = pushes.or(self.pushed);
         let Some(found) = world.bodies.get(self.handle) else { return };

@@ -161,6 +161,10 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
         "circles.cnc",
         "% circles\nN10 G2 I30 J0 F100 E500 E-500\nN20 G2 I30 J0\nN30 G2 I30 J0\n",
     );
+    desk.write(
+        "part.toml",
+        "[[bodies]]\nname = \"part\"\nshape = \"sphere\"\nradius_mm = 5\nposition_mm = [0, 0, 500]\nmass_kg = 1\nclamp_n = 20\n",
+    );
     let vice = "examples/vice.ngc -m machines/gantry3_vice.toml --physics";
     let motors = "short.cnc -m machines/gantry3_motors.toml --physics";
     let checks = [
@@ -168,6 +172,7 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
         format!("{motors} --limits axes --variables values.toml"),
         "unfit.cnc -m machine.toml".to_owned(),
         "circles.cnc -m machines/scara2.toml".to_owned(),
+        "circles.cnc -m machines/scara2.toml --scene part.toml --physics".to_owned(),
         "examples/jobs/flying_shear.toml -m machines/gantry3.toml".to_owned(),
     ]
     .map(|checked| desk.twin(&format!("check {checked} --format json")).object())
