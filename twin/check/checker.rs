@@ -9,7 +9,7 @@ use super::{Clearances, Outcome};
 use crate::bridge::{Bridge, BridgeSetpoint};
 use crate::finding;
 use crate::finding::Finding;
-use crate::m_function::MCalls;
+use crate::m_function::{MCall, MCalls};
 use crate::messages::no_axes;
 use crate::peak::{AxisPeak, Peak};
 use crate::planning::Planning;
@@ -161,15 +161,19 @@ impl<'m> Checker<'m> {
         self.duration_ns
     }
 
-    /// `None` if the machine cannot take this set-point.
-    pub(super) fn tool(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
+    /// `None` if the machine cannot take this set-point, at which the path may wait for an M function.
+    pub(super) fn tool(
+        &mut self,
+        tool: &ToolSetpoint,
+        m_call: Option<MCall>,
+    ) -> Option<AxisSetpoint> {
         self.duration_ns = tool.time_ns;
         // In the blend at the end of an element the additional axes of the next one move.
         if self.pieces.is_none() {
             let moves = tool.extra.velocity.iter().map(|velocity| *velocity != 0.0);
             self.missing_axes(tool.place, moves);
         }
-        let setpoint = self.transformer.axes(tool, None);
+        let setpoint = self.transformer.axes(tool, m_call);
         if setpoint.is_ok() && self.start.is_none() {
             for (names, groups) in self.transformer.stood_on_tappets() {
                 let finding = crate::messages::starts_on_tappets(tool.place, names, &groups);

@@ -42,7 +42,6 @@ use crate::peak::AxisPeak;
 use crate::planning::Planning;
 use crate::plant::{BodyRecord, PlantRecord};
 use crate::program::{Dialect, ProgramFile};
-use crate::setpoint::AxisSetpoint;
 use crate::setpoint_source::PlanItem;
 use checker::Checker;
 pub use clearance::{ClearanceCsv, ClearancePicture};
@@ -223,8 +222,7 @@ fn checked(
                     m_functions.observe(&call);
                     way.as_mut().map_or(Ok(()), |way| way.observe(machine, &call))?;
                 }
-                let m_call = items.m_call();
-                checker.tool(&tool).map(|setpoint| AxisSetpoint { m_call, ..setpoint })
+                checker.tool(&tool, items.m_call())
             }
             PlanItem::Bridging(instant) => checker.bridging(&instant),
             PlanItem::Axes(setpoint) => Some(*checker.axes(&setpoint)),
@@ -270,8 +268,8 @@ fn checked(
     if items.elements() == 0 && !checker.findings.any_error() {
         checker.findings.add(None, finding::nothing_moves());
     }
-    let record = rehearsal.map(|rehearsal| rehearsal.finish(&mut checker)).transpose()?;
-    let record = record.unwrap_or_default();
+    let finished = rehearsal.map(|rehearsal| rehearsal.finish(&mut checker));
+    let record = finished.transpose()?.unwrap_or_default();
     simulated(machine, &record, &mut checker);
     (switched.signals, switched.lost) = signals(&items, &checker);
     if switched.lost > 0 {

@@ -29,7 +29,7 @@ pub(super) fn warning(
                 if let Some(bridge) = checker.bridge(&tool) {
                     items.bridge(bridge, &tool);
                 } else {
-                    checker.tool(&tool);
+                    checker.tool(&tool, None);
                 }
             }
             PlanItem::Bridging(instant) => drop(checker.bridging(&instant)),

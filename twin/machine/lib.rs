@@ -316,16 +316,15 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
     let m_functions = m_functions::read(root, !seen.is_empty());
 
     let environment = root.section("environment");
-    let gravity =
-        environment.numbers::<3>("gravity_m_per_s2", -100.0..=100.0).unwrap_or([0.0, 0.0, -9.81]);
+    let gravity = environment.numbers("gravity_m_per_s2", -100.0..=100.0);
     environment.finish();
 
     let file = geometry::File { path, name: name.unwrap_or_default() };
     let geometry = geometry::read(root, file, axes.as_deref(), &mounted, payload.as_ref());
-    let built = geometry.as_ref().map(|built| (&built.model, &built.mount.flange));
-    let frames = surroundings::Frames { file: path, work: frame.as_ref(), machine: built };
+    let machine = geometry.as_ref().map(|built| (&built.model, &built.mount.flange));
+    let frames = surroundings::Frames { file: path, work: frame.as_ref(), machine };
     let collision = surroundings::read(root, &frames, mounted.tip.z < 0.0);
-    let axes = geometry.as_ref().map(|geometry| geometry.axes.as_slice());
+    let axes = geometry.as_ref().map(|geometry| &*geometry.axes);
     let couplings = couplings::read(root, path, axes);
     root.check_unknown();
 
@@ -346,7 +345,7 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
         hints: geometry.hints,
         payload,
         drives: devices.into_iter().collect::<Option<_>>()?,
-        gravity: Vector3::from(gravity),
+        gravity: Vector3::from(gravity.unwrap_or([0.0, 0.0, -9.81])),
         conditions,
         plans_as_programmed: plan.unwrap_or(false),
         path_limits,

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use twin_kinematics::AxisVector;
-use twin_machine::{Machine, Scenario};
+use twin_machine::{Collision, Machine, Scenario};
 use twin_number::counted;
 use twin_number::seconds;
 
@@ -112,7 +112,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if !arguments.physics {
         arguments.simulation.without_physics()?;
         let collision = machine.collision.as_ref();
-        if collision.is_some_and(|collision| collision.handles_bodies()) {
+        if collision.is_some_and(Collision::handles_bodies) {
             let path = machine.path.display();
             stderr!("{path} has loose bodies or grippers, which only --physics moves");
         }
