@@ -1,11 +1,12 @@
 //! Plant: the interface of anything that follows set-points, a simulated machine or drives.
 
 use crate::setpoint::AxisSetpoint;
+use nalgebra::Isometry3;
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
 use twin_machine::FaultAt;
 use twin_path::Place;
-use twin_physics::{EventKind, MotorLoad, MotorState, Part};
+use twin_physics::{BodyEventKind, EventKind, MotorLoad, MotorState, Part};
 
 /// Measured axis positions at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +63,43 @@ pub struct ProbeMiss {
     pub nearest: f64,
 }
 
+/// Something that happened to a loose body or a gripper, and its block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyHappening {
+    /// The block in which the set-point was.
+    pub place: Place,
+    /// Since the start of the program, ns.
+    pub time_ns: i64,
+    /// Its kind.
+    pub kind: BodyEventKind,
+    /// Distance of a gripper that missed from the nearest body, m.
+    pub distance: Option<f64>,
+}
+
+impl BodyHappening {
+    /// The body, or the gripper where it concerns no body; in machine-file order.
+    pub(crate) fn subject(&self) -> usize {
+        match self.kind {
+            BodyEventKind::Gripped { body, .. }
+            | BodyEventKind::Released { body, .. }
+            | BodyEventKind::Lost { body, .. }
+            | BodyEventKind::ClampGaveWay { body, .. }
+            | BodyEventKind::Moved { body, .. }
+            | BodyEventKind::Dropped { body } => body,
+            BodyEventKind::Missed { gripper } => gripper,
+        }
+    }
+}
+
+/// A loose body at the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyRecord {
+    /// Its pose, machine frame.
+    pub pose: Isometry3<f64>,
+    /// The gripper that holds it, in machine-file order.
+    pub held_by: Option<usize>,
+}
+
 /// Record of a plant for a whole run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlantRecord {
@@ -75,6 +113,10 @@ pub struct PlantRecord {
     pub missed: Vec<ProbeMiss>,
     /// Collisions.
     pub blows: Vec<Blow>,
+    /// What happened to loose bodies and grippers, in the order of time.
+    pub handled: Vec<BodyHappening>,
+    /// Loose bodies at the end, in machine-file order; none where they are not known.
+    pub bodies: Vec<BodyRecord>,
     /// Number of events that are not kept.
     pub left_out: u64,
     /// Motor loads, in machine-file order; none where they are not known.
@@ -135,6 +177,11 @@ pub trait Plant {
     /// What happened in the cycle of the last set-point that is reported while the run goes on; each kind of it once
     /// per axis and line.
     fn news(&mut self) -> Vec<Happening> {
+        Vec::new()
+    }
+
+    /// What happened to loose bodies and grippers in the cycle of the last set-point.
+    fn body_news(&mut self) -> Vec<BodyHappening> {
         Vec::new()
     }
 

@@ -247,6 +247,36 @@ rules! {
         meaning: "a part of the machine that is in an obstacle or in another part, or nearer than the clearance",
         remedy: "move the obstacle, lift the tool over it, or shorten the tool",
     }
+    PartMoved {
+        name: "part-moved",
+        severities: [Error],
+        meaning: "a part that the simulated machine pushed from its place, so that it is not where the program expects it",
+        remedy: "lift the tool over the part, or hold the part with a clamp (clamp_n)",
+    }
+    PartLost {
+        name: "part-lost",
+        severities: [Error],
+        meaning: "a part that a gripper of the simulated machine lost, by its weight and acceleration or because it touched something",
+        remedy: "lower E or F of the line, take a gripper that holds more, or keep the part clear of what it touches",
+    }
+    ClampOverloaded {
+        name: "clamp-overloaded",
+        severities: [Error],
+        meaning: "a clamp of the simulated machine that gave way, because the force on its part was larger than it holds",
+        remedy: "lower F of the line, or take a clamp that holds more",
+    }
+    Dropped {
+        name: "dropped",
+        severities: [Error],
+        meaning: "a part that fell below everything that could carry it",
+        remedy: "put the part down on something, or move what carries it",
+    }
+    GripMissed {
+        name: "grip-missed",
+        severities: [Error],
+        meaning: "a gripper of the simulated machine that closed without a part in its reach",
+        remedy: "correct the position of the line or of the part, or let the gripper reach farther (reach_mm)",
+    }
     Fault {
         name: "fault",
         severities: [Warning, Note],

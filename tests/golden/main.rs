@@ -32,6 +32,7 @@ mod drive_words;
 mod emulate;
 mod explain;
 mod finite;
+mod handling;
 mod in_loop;
 mod job;
 mod job_cams;

@@ -361,6 +361,7 @@ impl<'m> Checker<'m> {
             findings_left_out,
             start: self.start,
             end: self.last.map(|last| last.axes.position),
+            bodies: Vec::new(),
             loads: Vec::new(),
             clearances: Clearances::default(),
             edge,

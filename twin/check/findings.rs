@@ -21,6 +21,8 @@ pub(super) enum About {
     Axis(usize),
     /// Two parts.
     Parts([Part; 2]),
+    /// A loose body, or a gripper that missed, in machine-file order.
+    Handling(usize),
     /// The simulated machine, where the plan has a finding of its own.
     Simulated,
 }

@@ -15,6 +15,7 @@ mod following;
 mod following_tests;
 #[cfg(test)]
 mod gap_tests;
+mod handling;
 #[cfg(test)]
 mod input_tests;
 mod instant;
@@ -39,7 +40,7 @@ use crate::m_function::Acknowledgement;
 use crate::m_function::MCalls;
 use crate::peak::AxisPeak;
 use crate::planning::Planning;
-use crate::plant::PlantRecord;
+use crate::plant::{BodyRecord, PlantRecord};
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint_source::PlanItem;
 use crate::spindle::ToolLeft;
@@ -54,7 +55,9 @@ pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
 pub use options::{CheckFailure, CheckOptions};
 pub(crate) use plan_check::PlanCheck;
 use rehearsal::Rehearsal;
-pub use run_findings::{drive_errors, faults_to_come, following_errors, happening, happenings};
+pub use run_findings::{
+    drive_errors, faults_to_come, following_errors, handled, happening, happenings,
+};
 use std::collections::BTreeSet;
 use twin_gcode::rs274::Tool;
 use twin_kinematics::AxisVector;
@@ -104,6 +107,8 @@ pub struct Outcome {
     pub end: Option<AxisVector>,
     /// Loads of the simulated motors, machine-file order; none if it was not simulated.
     pub loads: Vec<MotorLoad>,
+    /// Loose bodies at the end, machine-file order; none if they were not simulated.
+    pub bodies: Vec<BodyRecord>,
     /// Smallest clearances; none if the machine file has no obstacles and no collision check.
     pub clearances: Clearances,
     /// Smallest distance from the edge of the reach; none if the machine has no such edge, or no path is planned in pieces.
@@ -271,8 +276,8 @@ fn checked(
     if items.elements() == 0 && !checker.findings.any_error() {
         checker.findings.add(None, finding::nothing_moves());
     }
-    let nothing = || Ok(PlantRecord::default());
-    let record = rehearsal.map_or_else(nothing, |rehearsal| rehearsal.finish(&mut checker))?;
+    let finished = rehearsal.map(|rehearsal| rehearsal.finish(&mut checker));
+    let record = finished.transpose()?.unwrap_or_default();
     simulated(machine, &record, &mut checker);
     (switched.signals, switched.lost) = signals(&items, &checker);
     if switched.lost > 0 {
@@ -289,7 +294,7 @@ fn checked(
         finding::sort(&mut outcome.findings);
     }
     outcome.findings_left_out += record.left_out + items.left_out();
-    outcome.loads = record.loads;
+    (outcome.loads, outcome.bodies) = (record.loads, record.bodies);
     outcome.clearances = way.map(Way::into_found).unwrap_or_default();
     (outcome.elements, outcome.length) = (items.elements(), items.length());
     // Nothing of a job has a feed.
@@ -312,6 +317,11 @@ fn simulated(machine: &Machine, record: &PlantRecord, checker: &mut Checker<'_>)
     }
     for finding in faults_to_come(machine, record) {
         checker.findings.add(Some(About::Simulated), finding);
+    }
+    for event in &record.handled {
+        if let Some(finding) = handled(machine, event) {
+            checker.findings.add(Some(About::Handling(event.subject())), finding);
+        }
     }
     for happening in &record.happenings {
         if let Some(finding) = messages::happened(machine, happening) {

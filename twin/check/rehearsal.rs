@@ -8,7 +8,7 @@ use crate::simulated::Simulated;
 use crate::spindle::Spindle;
 use std::collections::VecDeque;
 use twin_machine::{Machine, Scenario, SimulationError};
-use twin_physics::PhysicsError;
+use twin_physics::{Part, PhysicsError};
 
 /// The simulated machine on which a program is tried.
 #[derive(Debug)]
@@ -86,7 +86,9 @@ impl<'m> Rehearsal<'m> {
             let twin = match Simulated::with_spindle(self.machine, start, spindle) {
                 Ok(twin) => twin,
                 // The check of set-points reports how deep.
-                Err(SimulationError { error: PhysicsError::Overlap { parts, .. }, .. }) => {
+                Err(SimulationError { error: PhysicsError::Overlap { parts, .. }, .. })
+                    if !parts.iter().any(|part| matches!(part, Part::Body(_))) =>
+                {
                     let at = (setpoint.place, true);
                     let parts = (parts, self.spindle.number());
                     checker.findings.add(None, messages::starts_inside(self.machine, at, parts));

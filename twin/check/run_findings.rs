@@ -1,10 +1,10 @@
 //! Run findings: following errors, faults and collisions that only a run shows.
 
 use super::following::PredictedFollowing;
-use super::messages;
+use super::{handling, messages};
 use crate::compare::Comparison;
 use crate::finding::Finding;
-use crate::plant::{Happening, PlantRecord};
+use crate::plant::{BodyHappening, Happening, PlantRecord};
 use crate::tolerance::exceeds;
 use twin_machine::Machine;
 
@@ -54,13 +54,19 @@ pub fn happening(machine: &Machine, happening: &Happening) -> Option<Finding> {
     messages::happened(machine, happening)
 }
 
+/// One thing that happened to a loose body or a gripper, in words; `None` if it went as meant.
+pub fn handled(machine: &Machine, happening: &BodyHappening) -> Option<Finding> {
+    handling::finding(machine, happening)
+}
+
 /// Events of the simulated machine in a run.
 pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
     let blows = record.blows.iter().map(|blow| messages::ran_into(machine, blow));
     let others = record.happenings.iter().filter_map(|one| messages::happened(machine, one));
     let touches = record.touches.iter().filter_map(|touch| messages::touched(machine, touch));
     let missed = record.missed.iter().map(messages::missed);
-    blows.chain(touches).chain(missed).chain(others).collect()
+    let handled = record.handled.iter().filter_map(|one| handled(machine, one));
+    blows.chain(touches).chain(missed).chain(handled).chain(others).collect()
 }
 
 #[cfg(test)]

@@ -38,6 +38,28 @@ impl MachineOption {
     }
 }
 
+/// What is around the machine for one job.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct SceneOption {
+    /// Scene file (TOML): [[bodies]], [[obstacles]], [[friction]] and [[grippers]], added to those of the machine file
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+}
+
+impl SceneOption {
+    /// The machine with what the scene adds.
+    pub(super) fn apply(&self, machine: &mut Machine) -> Result<(), Failure> {
+        if let Some(path) = &self.scene {
+            machine.add_scene(path)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn file(&self) -> Option<&Path> {
+        self.scene.as_deref()
+    }
+}
+
 /// Plan of the velocity along the path.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct LimitsOption {

@@ -32,6 +32,7 @@ mod direction;
 mod drives;
 mod frame;
 mod geometry;
+mod grippers;
 mod key_meaning;
 mod limits;
 mod m_functions;
@@ -63,6 +64,7 @@ pub use couplings::{CamAxis, CamSelection, CoupledBy, Coupling, read_cam, read_r
 pub use direction::DirectionRule;
 use drives::Seen;
 pub use drives::{DeviceEntry, DriveFamily, FAMILIES};
+pub use grippers::{GripperControl, GripperKind, GripperSignal};
 pub use key_meaning::KeyMeaning;
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use m_functions::MFunction;
@@ -123,7 +125,7 @@ pub struct Machine {
     pub hints: Vec<String>,
     /// Payload of the tool, in the frame of the flange.
     pub payload: Option<Inertial>,
-    /// Obstacles and collision check; `None`: no check.
+    /// Obstacles, loose bodies, grippers and collision check; `None`: no check.
     pub collision: Option<Collision>,
     /// The devices on the wires.
     pub drives: Vec<DeviceEntry>,
@@ -315,19 +317,19 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
     let m_functions = m_functions::read(root, !seen.is_empty());
 
     let environment = root.section("environment");
-    let gravity =
-        environment.numbers::<3>("gravity_m_per_s2", -100.0..=100.0).unwrap_or([0.0, 0.0, -9.81]);
+    let gravity = environment.numbers("gravity_m_per_s2", -100.0..=100.0);
     environment.finish();
 
     let file = geometry::File { path, name: name.unwrap_or_default() };
     let geometry = geometry::read(root, file, axes.as_deref(), &mounted, payload.as_ref());
-    let collision = surroundings::read(root, path, frame.as_ref());
-    let axes = geometry.as_ref().map(|geometry| geometry.axes.as_slice());
+    let machine = geometry.as_ref().map(|built| (&built.model, &built.mount.flange));
+    let frames = surroundings::Frames { file: path, work: frame.as_ref(), machine };
+    let collision = surroundings::read(root, &frames, mounted.tip.z < 0.0);
+    let axes = geometry.as_ref().map(|geometry| &*geometry.axes);
     let couplings = couplings::read(root, path, axes);
     root.check_unknown();
 
     let geometry = geometry?;
-    let collision = collision.map(|entries| entries.of(root, &geometry.model, mounted.tip.z < 0.0));
     let mut machine = Machine {
         path: path.to_owned(),
         name: name?.to_owned(),
@@ -344,7 +346,7 @@ fn read(path: &Path, root: &Section<'_>, families: &[&'static dyn Family]) -> Op
         hints: geometry.hints,
         payload,
         drives: devices.into_iter().collect::<Option<_>>()?,
-        gravity: Vector3::from(gravity),
+        gravity: Vector3::from(gravity.unwrap_or([0.0, 0.0, -9.81])),
         conditions,
         plans_as_programmed: plan.unwrap_or(false),
         path_limits,

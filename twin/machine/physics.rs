@@ -3,10 +3,10 @@
 use super::Machine;
 use twin_gcode::rs274::Tool;
 use twin_kinematics::AxisVector;
-use twin_physics::{PhysicsError, PhysicsMachine, axis_inertia};
+use twin_physics::{PhysicsError, PhysicsMachine, axis_inertia, check_bodies};
 
 impl Machine {
-    /// The machine in rapier at rest at `start`, with its drives and its obstacles.
+    /// The machine in rapier at rest at `start`, with its drives, its obstacles and what it handles.
     ///
     /// # Errors
     /// [`PhysicsError`] if bodies or drives cannot be simulated; [`super::SimulationError::of`] names them.
@@ -30,6 +30,7 @@ impl Machine {
             PhysicsMachine::new(&self.model, &drives, self.gravity, start, self.cycle_ns)?;
         if let Some(bodies) = self.spindle_bodies() {
             let (model, surroundings) = bodies.with(tool);
+            check_bodies(&model, &surroundings, start)?;
             physics.insert_bodies(&model, &surroundings)?;
         }
         Ok(physics)

@@ -1,14 +1,19 @@
-//! `[[obstacles]]` and `[collision]`: obstacles around the machine, and pairs of parts for the collision check.
+//! `[[obstacles]]`, `[[bodies]]`, `[[friction]]` and `[collision]`: what is around the machine, and pairs of parts for
+//! the collision check.
 
 use super::Machine;
-use crate::section::Section;
+use crate::grippers::{self, GripperControl};
+use crate::section::{self, FileKind, MachineFileError, Problem, Section};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::Arc;
 use twin_gcode::rs274::Tool;
 use twin_kinematics::WorkFrame;
-use twin_physics::{ClearanceScan, Obstacle, ObstacleKind, Part, PhysicsError, Surroundings};
+use twin_physics::{
+    Body, ClearanceScan, Material, Obstacle, ObstacleKind, Part, PhysicsError, Surface,
+    Surroundings,
+};
 use twin_urdf::{Mesh, Model, Solid, SolidShape};
 
 /// mm; of bodies.
@@ -17,67 +22,215 @@ const SIZE_MM: RangeInclusive<f64> = 1e-3..=100_000.0;
 const PLACE_MM: RangeInclusive<f64> = -1e5..=1e5;
 /// Range of the factors of a mesh's coordinates.
 const SCALE: RangeInclusive<f64> = 1e-6..=1e6;
+/// N.
+const FORCE: RangeInclusive<f64> = 1e-3..=1e9;
 
 /// Name of the tool in `leave_out`.
 const TOOL: &str = "tool";
 
-/// Collision check of a machine.
-#[derive(Clone, Debug, PartialEq)]
+/// Collision check of a machine, and what it handles.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Collision {
-    /// Obstacles around the machine, and the pairs of parts that may touch.
+    /// Obstacles, loose bodies and grippers, and the pairs of parts that may touch.
     pub surroundings: Surroundings,
     /// Nearer than this is worth a warning, m.
     pub clearance: f64,
     /// Links that overlap with every axis in the middle of its travel, and are therefore not checked.
     pub overlapping: Vec<[Part; 2]>,
+    /// What closes and opens the grippers, in the order of [`Surroundings::grippers`].
+    pub controls: Vec<GripperControl>,
+    /// Names of the materials, from number 1 on.
+    materials: Vec<String>,
 }
 
-/// Contents of the sections, before the shape of the machine is known.
-#[derive(Debug)]
-pub(super) struct Entries {
-    obstacles: Vec<Obstacle>,
-    /// Places of their names in the file.
-    names: Vec<std::ops::Range<usize>>,
-    among_links: bool,
-    /// By name, and where in the file.
-    left_out: Vec<([String; 2], std::ops::Range<usize>)>,
-    stiffness: f64,
-    clearance: f64,
+/// What the tables of surroundings refer to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frames<'a> {
+    /// The file that they are in.
+    pub(super) file: &'a Path,
+    /// The work frame, if it is known.
+    pub(super) work: Option<&'a WorkFrame>,
+    /// The machine, and its flange in the link of the tip, if they are known.
+    pub(super) machine: Option<(&'a Model, &'a Isometry3<f64>)>,
 }
 
-/// Reads the sections; `None` if the file has neither section, or has errors in them.
-pub(super) fn read(root: &Section<'_>, file: &Path, frame: Option<&WorkFrame>) -> Option<Entries> {
-    let given = root.has("obstacles") || root.has("collision");
-    let sections = root.sections("obstacles");
-    let obstacles: Vec<_> = sections.iter().map(|section| obstacle(section, file, frame)).collect();
-    for (section, one) in sections.iter().zip(&obstacles) {
-        let name = one.as_ref().map(|one| one.name.as_str());
-        let earlier = obstacles.iter().take_while(|other| !std::ptr::eq(*other, one)).flatten();
-        if name.is_some() && earlier.map(|other| Some(other.name.as_str())).any(|it| it == name) {
-            section.complain_at("name", "there is an obstacle of this name already");
-        }
-    }
-    let names = sections.iter().map(|section| section.span_of("name")).collect();
-    sections.into_iter().for_each(Section::finish);
+/// Reads the sections; `None` if the file has none of them, or has errors in them.
+pub(super) fn read(root: &Section<'_>, frames: &Frames<'_>, has_tool: bool) -> Option<Collision> {
+    let tables = ["obstacles", "collision", "bodies", "friction", "grippers"];
+    let given = tables.into_iter().any(|table| root.has(table));
+    let mut found = Collision::default();
     let collision = root.section("collision");
-    let among_links = collision.flag("self_collision").unwrap_or(true);
+    let among_links = collision.flag("self_collision");
     let left_out = collision.pairs_of_names("leave_out");
     let stiffness = collision.number("stiffness_n_per_mm", 1.0..=1e7).map(|value| value * 1e3);
-    let clearance = collision.number("clearance_mm", 0.0..=1000.0).unwrap_or_default() * 1e-3;
+    found.clearance = collision.number("clearance_mm", 0.0..=1000.0).unwrap_or_default() * 1e-3;
+    let around = &mut found.surroundings;
+    around.machine_material = material(&collision, &mut found.materials);
+    around.has_tool = has_tool;
+    around.among_links = among_links.unwrap_or(around.among_links);
+    around.stiffness = stiffness.unwrap_or(around.stiffness);
     collision.finish();
-    given.then_some(())?;
-    Some(Entries {
-        obstacles: obstacles.into_iter().collect::<Option<_>>()?,
-        names,
-        among_links,
-        left_out,
-        stiffness: stiffness.unwrap_or(Surroundings::STIFFNESS),
-        clearance,
-    })
+    let is_sound = found.read(root, frames);
+    let (model, _) = frames.machine.filter(|_| given && is_sound)?;
+    for (names, span) in left_out {
+        match found.pair(model, &names) {
+            Ok(pair) => found.surroundings.left_out.push(pair),
+            Err(message) => root.complain_over(&span, message),
+        }
+    }
+    Some(found)
+}
+
+impl Collision {
+    /// True with loose bodies or grippers.
+    pub fn handles_bodies(&self) -> bool {
+        !(self.surroundings.bodies.is_empty() && self.controls.is_empty())
+    }
+
+    /// Adds the obstacles, bodies, frictions and grippers of a file; false if there are errors in them.
+    fn read(&mut self, root: &Section<'_>, frames: &Frames<'_>) -> bool {
+        let mut taken: Vec<(String, &str)> = Vec::new();
+        let around = &self.surroundings;
+        taken.extend(around.obstacles.iter().map(|one| (one.name.clone(), "an obstacle")));
+        taken.extend(around.bodies.iter().map(|one| (one.name.clone(), "a body")));
+        let mut is_sound = true;
+        for section in root.sections("obstacles") {
+            let is_free = has_free_name(&section, ("an obstacle", &mut taken), frames);
+            let obstacle = obstacle(&section, frames, &mut self.materials);
+            section.finish();
+            is_sound &= is_free && obstacle.is_some();
+            self.surroundings.obstacles.extend(obstacle);
+        }
+        for section in root.sections("bodies") {
+            let is_free = has_free_name(&section, ("a body", &mut taken), frames);
+            let body = body(&section, frames, &mut self.materials);
+            section.finish();
+            is_sound &= is_free && body.is_some();
+            self.surroundings.bodies.extend(body);
+        }
+        for section in root.sections("friction") {
+            let friction = self.friction(&section);
+            section.finish();
+            is_sound &= friction.is_some();
+            self.surroundings.frictions.extend(friction);
+        }
+        for section in root.sections("grippers") {
+            let known = &self.surroundings.grippers;
+            let gripper = grippers::read(&section, (known, &self.controls), frames.machine);
+            section.finish();
+            is_sound &= gripper.is_some();
+            let (gripper, control) = gripper.unzip();
+            self.surroundings.grippers.extend(gripper);
+            self.controls.extend(control);
+        }
+        is_sound
+    }
+
+    /// One of `[[friction]]`.
+    fn friction(&self, section: &Section<'_>) -> Option<([Material; 2], f64)> {
+        let names = section.required_names::<2>("materials");
+        let coefficient = section.required_number("coefficient", 0.0..=10.0);
+        let numbers = names?.map(|name| {
+            let number = self.materials.iter().position(|known| known == name);
+            if number.is_none() {
+                let known = self.materials.join(", ");
+                let message = format!("no part is of the material \"{name}\"; known: {known}");
+                section.complain_at("materials", message);
+            }
+            number.map(|number| number + 1)
+        });
+        let (one, other) = (numbers[0]?, numbers[1]?);
+        let mut known = self.surroundings.frictions.iter().map(|(pair, _)| *pair);
+        if known.any(|pair| pair == [one, other] || pair == [other, one]) {
+            section.complain_at("materials", "these two have a coefficient already");
+            return None;
+        }
+        Some(([one, other], coefficient?))
+    }
+
+    /// The parts of these names.
+    ///
+    /// Errors: a message about the one that is not there.
+    fn pair(&self, model: &Model, names: &[String; 2]) -> Result<[Part; 2], String> {
+        let around = &self.surroundings;
+        let part = |name: &String| {
+            let link = model.links.iter().position(|link| link.name == *name);
+            let obstacle = around.obstacles.iter().position(|one| one.name == *name);
+            let body = around.bodies.iter().position(|one| one.name == *name);
+            let around = obstacle.map(Part::Obstacle).or(body.map(Part::Body));
+            (name == TOOL).then_some(Part::Tool).or(link.map(Part::Link)).or(around)
+        };
+        let known = || {
+            let links = model.links.iter().map(|link| link.name.as_str());
+            let obstacles = around.obstacles.iter().map(|one| one.name.as_str());
+            let bodies = around.bodies.iter().map(|one| one.name.as_str());
+            let known: Vec<_> =
+                [TOOL].into_iter().chain(links).chain(obstacles).chain(bodies).collect();
+            known.join(", ")
+        };
+        let found = |name: &String| {
+            part(name).ok_or_else(|| {
+                format!(
+                    "`leave_out` names \"{name}\", which is neither a link nor an obstacle; there are {}",
+                    known()
+                )
+            })
+        };
+        let [one, other] = names;
+        Ok([found(one)?, found(other)?])
+    }
+}
+
+/// True if the name of a section is not `taken`, and adds it there with its kind.
+fn has_free_name(
+    section: &Section<'_>,
+    (kind, taken): (&'static str, &mut Vec<(String, &'static str)>),
+    frames: &Frames<'_>,
+) -> bool {
+    let Some(name) = section.glance_at_text("name") else { return true };
+    let earlier = taken.iter().find(|(known, _)| known == name).map(|(_, kind)| *kind);
+    taken.push((name.to_owned(), kind));
+    if let Some(earlier) = earlier {
+        section.complain_at("name", format!("there is {earlier} of this name already"));
+        return false;
+    }
+    let mut links = frames.machine.iter().flat_map(|(model, _)| &model.links);
+    if name == TOOL || links.any(|link| link.name == name) {
+        let message = format!("{kind} is called \"{name}\", as a link or the tool is");
+        section.complain_at("name", message);
+        return false;
+    }
+    true
+}
+
+/// Number of the material of a section, which is added to `known`; 0 without one.
+fn material(section: &Section<'_>, known: &mut Vec<String>) -> Material {
+    let Some(name) = section.text("material") else { return 0 };
+    if !known.iter().any(|one| one == name) {
+        known.push(name.to_owned());
+    }
+    known.iter().position(|one| one == name).map_or(0, |index| index + 1)
+}
+
+/// Place of a section in the machine frame.
+fn place(section: &Section<'_>, work: Option<&WorkFrame>) -> Option<Isometry3<f64>> {
+    let in_work = section.choice("frame", &[("machine", false), ("work", true)]).unwrap_or(false);
+    let place = section.numbers::<3>("position_mm", PLACE_MM).unwrap_or_default();
+    let rotation = section.numbers::<3>("rotation_deg", -360.0..=360.0).unwrap_or_default();
+    let [roll, pitch, yaw] = rotation.map(f64::to_radians);
+    let place = Isometry3::from_parts(
+        Translation3::from(Vector3::from(place) * 1e-3),
+        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    );
+    if in_work { Some(work?.machine_from_work() * place) } else { Some(place) }
 }
 
 /// One of `[[obstacles]]`.
-fn obstacle(section: &Section<'_>, file: &Path, frame: Option<&WorkFrame>) -> Option<Obstacle> {
+fn obstacle(
+    section: &Section<'_>,
+    frames: &Frames<'_>,
+    materials: &mut Vec<String>,
+) -> Option<Obstacle> {
     let name = section.required_text("name");
     let kinds = [
         ("fixture", ObstacleKind::Fixture),
@@ -85,24 +238,43 @@ fn obstacle(section: &Section<'_>, file: &Path, frame: Option<&WorkFrame>) -> Op
         ("stock", ObstacleKind::Stock),
     ];
     let kind = section.choice("kind", &kinds).unwrap_or_default();
-    let in_work = section.choice("frame", &[("machine", false), ("work", true)]).unwrap_or(false);
-    let place = section.numbers::<3>("position_mm", PLACE_MM).unwrap_or_default();
-    let rotation = section.numbers::<3>("rotation_deg", -360.0..=360.0).unwrap_or_default();
-    let shape = shape(section, file);
-    let [roll, pitch, yaw] = rotation.map(f64::to_radians);
-    let mut origin = Isometry3::from_parts(
-        Translation3::from(Vector3::from(place) * 1e-3),
-        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-    );
-    if in_work {
-        origin = frame?.machine_from_work() * origin;
-    }
+    let origin = place(section, frames.work);
+    let material = material(section, materials);
+    let belt = section.numbers::<3>("belt_mm_per_s", -1e5..=1e5).unwrap_or_default();
+    let shape = shape(section, frames.file);
     let color = match kind {
         ObstacleKind::Fixture => [0.55, 0.42, 0.36, 1.0],
         ObstacleKind::Stock => [0.72, 0.66, 0.50, 0.6],
     };
-    let solid = Solid { shape: shape?, origin, color };
-    Some(Obstacle { name: name?.to_owned(), kind, solids: vec![solid] })
+    let solid = Solid { shape: shape?, origin: origin?, color };
+    let surface = Surface { material, velocity: Vector3::from(belt) * 1e-3 };
+    Some(Obstacle { name: name?.to_owned(), kind, solids: vec![solid], surface })
+}
+
+/// One of `[[bodies]]`.
+fn body(section: &Section<'_>, frames: &Frames<'_>, materials: &mut Vec<String>) -> Option<Body> {
+    let name = section.required_text("name");
+    let pose = place(section, frames.work);
+    let material = material(section, materials);
+    let restitution = section.number("restitution", 0.0..=1.0).unwrap_or_default();
+    let clamp = section.number("clamp_n", FORCE);
+    let mass = section.number("mass_kg", 1e-6..=1e6);
+    let density = section.number("density_kg_per_m3", 1e-3..=50_000.0);
+    let shape = shape(section, frames.file);
+    if section.has("mass_kg") == section.has("density_kg_per_m3") {
+        let whose = name.map_or_else(String::new, |name| format!("body \"{name}\": "));
+        section.complain(format!("{whose}give either `mass_kg` or `density_kg_per_m3`"));
+        return None;
+    }
+    let solid =
+        Solid { shape: shape?, origin: Isometry3::identity(), color: [0.30, 0.48, 0.65, 1.0] };
+    let Some(volume) = solid.shape.volume() else {
+        section.complain_at("file", "the mesh of a body has to enclose a volume");
+        return None;
+    };
+    let inertial = solid.uniform(mass.or(density.map(|density| density * volume))?);
+    let (name, solids, pose) = (name?.to_owned(), vec![solid], pose?);
+    Some(Body { name, solids, inertial, pose, material, restitution, clamp })
 }
 
 fn shape(section: &Section<'_>, file: &Path) -> Option<SolidShape> {
@@ -152,54 +324,41 @@ fn shape(section: &Section<'_>, file: &Path) -> Option<SolidShape> {
     })
 }
 
-impl Entries {
-    /// Collision check for the machine `model`, without pairs that overlap in the rest pose.
-    pub(super) fn of(self, root: &Section<'_>, model: &Model, has_tool: bool) -> Collision {
-        let is_taken =
-            |name: &str| name == TOOL || model.links.iter().any(|link| link.name == name);
-        for (one, span) in
-            self.obstacles.iter().zip(&self.names).filter(|(one, _)| is_taken(&one.name))
-        {
-            let message =
-                format!("an obstacle is called \"{}\", as a link or the tool is", one.name);
-            root.complain_over(span, message);
-        }
-        let mut left_out = Vec::new();
-        for (names, span) in self.left_out {
-            let part = |name: &String| {
-                let link = model.links.iter().position(|link| link.name == *name);
-                let obstacle = self.obstacles.iter().position(|one| one.name == *name);
-                let tool = (name == TOOL).then_some(Part::Tool);
-                tool.or(link.map(Part::Link)).or(obstacle.map(Part::Obstacle))
-            };
-            let [one, other] = names.each_ref().map(part);
-            if let Some(pair) = one.zip(other) {
-                left_out.push(pair.into());
-                continue;
-            }
-            let links = model.links.iter().map(|link| link.name.as_str());
-            let obstacles = self.obstacles.iter().map(|one| one.name.as_str());
-            let known: Vec<_> = [TOOL].into_iter().chain(links).chain(obstacles).collect();
-            for (name, _) in names.iter().zip([one, other]).filter(|(_, part)| part.is_none()) {
-                let message = format!(
-                    "`leave_out` names \"{name}\", which is neither a link nor an obstacle; there are {}",
-                    known.join(", ")
-                );
-                root.complain_over(&span, message);
-            }
-        }
-        let surroundings = Surroundings {
-            obstacles: self.obstacles,
-            among_links: self.among_links,
-            has_tool,
-            left_out,
-            stiffness: self.stiffness,
-        };
-        Collision { surroundings, clearance: self.clearance, overlapping: Vec::new() }
-    }
-}
-
 impl Machine {
+    /// Adds obstacles, bodies, frictions and grippers of the scene file at `path`.
+    ///
+    /// # Errors
+    /// With everything that is wrong with it; the machine is as before then.
+    pub fn add_scene(&mut self, path: &Path) -> Result<(), MachineFileError> {
+        let collision = section::load("scene file", path, |text| self.with_scene(path, text))?;
+        let had_check = self.collision.replace(collision).is_some();
+        if !had_check {
+            // A machine that cannot be measured is an error of the commands that measure it.
+            self.leave_out_what_overlaps().unwrap_or_default();
+        }
+        self.conditions.rs274.surroundings = crate::around::surroundings(self);
+        Ok(())
+    }
+
+    /// The collision check with what the scene in `text` adds.
+    fn with_scene(&self, path: &Path, text: &str) -> Result<Collision, Vec<Problem>> {
+        section::parse(text, |root| {
+            if FileKind::Scene.refuses(root) {
+                return None;
+            }
+            let machine = Some((&self.model, &self.mount.flange));
+            let frames = Frames { file: path, work: Some(&self.frame), machine };
+            let mut collision = self.collision.clone().unwrap_or_else(|| {
+                let surroundings =
+                    Surroundings { has_tool: self.mount.tip.z < 0.0, ..Surroundings::default() };
+                Collision { surroundings, ..Collision::default() }
+            });
+            let is_sound = collision.read(root, &frames);
+            root.check_unknown();
+            is_sound.then_some(collision)
+        })
+    }
+
     /// Scan of the distances between the machine and its obstacles; `None` without a collision check in the file.
     ///
     /// # Errors
@@ -240,8 +399,10 @@ impl Machine {
             (&link.name, solids)
         });
         let obstacles = collision.surroundings.obstacles.iter();
-        let bodies = links.chain(obstacles.map(|one| (&one.name, &one.solids)));
-        let open = bodies.filter_map(|(name, solids)| {
+        let loose = collision.surroundings.bodies.iter();
+        let solids = links.chain(obstacles.map(|one| (&one.name, &one.solids)));
+        let solids = solids.chain(loose.map(|one| (&one.name, &one.solids)));
+        let open = solids.filter_map(|(name, solids)| {
             let edges = solids.iter().map(|solid| match &solid.shape {
                 SolidShape::Mesh { mesh, .. } => mesh.open_edges(),
                 _ => 0,
@@ -283,6 +444,7 @@ impl Machine {
             }
             (Some(collision), part) => part.name(&self.model, &collision.surroundings),
             (None, Part::Obstacle(_)) => "an obstacle",
+            (None, Part::Body(_)) => "a body",
         };
         name.to_owned()
     }

@@ -99,6 +99,7 @@ mod sets;
 mod side;
 mod solids;
 mod spatial;
+mod start;
 mod state;
 mod step;
 mod stepping;
@@ -133,6 +134,7 @@ pub use machine::{AxisState, PhysicsMachine};
 pub use noise::NoiseParameters;
 pub use side::Side;
 pub use solids::uniform_inertial;
+pub use start::{check_bodies, distance_to_bodies};
 pub use surroundings::{
     Body, Gripper, Material, Obstacle, ObstacleKind, Part, Surface, Surroundings, YieldingTool,
 };

@@ -78,9 +78,12 @@ impl LooseBodies {
         lowest: f64,
     ) -> Result<Self> {
         let ground = world.insert_body(RigidBodyBuilder::fixed());
+        let still = Vector3::zeros();
+        let belts = surroundings.obstacles.iter().any(|one| one.surface.velocity != still);
         let mut bodies = Vec::with_capacity(surroundings.bodies.len());
         for (index, body) in surroundings.bodies.iter().enumerate() {
-            let handle = insert(world, body, index, first)?;
+            // rapier would let what a slow belt carries fall asleep.
+            let handle = insert(world, (body, index), first, belts)?;
             let clamp = body.clamp.map(|limit| {
                 let joint =
                     FixedJointBuilder::new().local_frame1(maths::pose_to_rapier(&body.pose));
@@ -332,7 +335,8 @@ impl Loose {
             let [one, other] = touch.parts;
             let by = if other == Part::Body(index) { one } else { other };
             let is_it = touch.parts.contains(&Part::Body(index));
-            (is_it && matches!(by, Part::Link(_) | Part::Tool)).then_some(by)
+            // The base carries.
+            (is_it && matches!(by, Part::Link(1..) | Part::Tool)).then_some(by)
         });
         self.pushed = pushes.or(self.pushed);
         let Some(found) = world.bodies.get(self.handle) else { return };
@@ -384,9 +388,9 @@ fn force_of(world: &PhysicsWorld, joint: ImpulseJointHandle, cycle: f64) -> Vect
 
 fn insert(
     world: &mut PhysicsWorld,
-    body: &Body,
-    index: usize,
+    (body, index): (&Body, usize),
     first: usize,
+    keep_awake: bool,
 ) -> Result<RigidBodyHandle> {
     let mass = MassProperties::with_inertia_matrix(
         maths::point_to_rapier(&body.inertial.center),
@@ -394,6 +398,7 @@ fn insert(
         maths::matrix_to_rapier(&body.inertial.inertia),
     );
     let builder = RigidBodyBuilder::dynamic()
+        .can_sleep(!keep_awake)
         .pose(maths::pose_to_rapier(&body.pose))
         .additional_mass_properties(mass);
     let handle = world.insert_body(builder);

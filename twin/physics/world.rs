@@ -36,7 +36,7 @@ const REACH: f64 = 4e-3;
 const AHEAD: f64 = 1.5;
 
 /// Largest penetration depth at the start, m: a part that rests on another one touches it.
-const TOUCHING: f64 = 1e-6;
+pub(super) const TOUCHING: f64 = 1e-6;
 
 /// Parts of a cycle at which it is looked whether parts meet.
 const PLACES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];

@@ -1,5 +1,6 @@
 //! Report as JSON: its shape is part of the command-line contract.
 
+mod bodies;
 mod drives;
 mod m_functions;
 mod motor_load;
@@ -14,6 +15,7 @@ use crate::peak::AxisPeakReport;
 use crate::per_axis::PerAxis;
 use crate::program::ProgramFile;
 use crate::session::{OverrideChange, Punctuality};
+pub use bodies::{BodyReport, PoseReport};
 pub use drives::{AxisMaximaReport, PredictedFollowingReport};
 use m_functions::MFunctionsReport;
 pub use motor_load::MotorLoadReport;
@@ -36,6 +38,9 @@ pub struct CheckReport {
     /// With physics.
     #[serde(skip_serializing_if = "PerAxis::is_empty")]
     motor_load: PerAxis<MotorLoadReport>,
+    /// With physics, if there are loose bodies.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    bodies: Vec<BodyReport>,
     /// If the machine file says what is in the way.
     #[serde(skip_serializing_if = "Option::is_none")]
     clearance: Option<ClearanceReport>,
@@ -82,6 +87,7 @@ impl CheckReport {
                     .map(|(axis, load)| (axis.name.clone(), MotorLoadReport::new(axis, load)))
                     .collect(),
             ),
+            bodies: BodyReport::all(machine, &outcome.bodies),
             clearance: outcome.clearances.least.map(|least| ClearanceReport::new(machine, &least)),
             edge_distance: outcome.edge.map(|nearest| EdgeDistanceReport {
                 least_mm: rounded(nearest.distance * 1e3),

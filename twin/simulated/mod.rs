@@ -1,13 +1,17 @@
 //! Simulated machine as a plant: one simulated cycle per set-point.
 
+mod handling;
 #[cfg(test)]
 pub(crate) mod tests;
 
 use crate::in_loop::DrivesInLoop;
-use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch};
+use crate::plant::{
+    AxisFeedback, Blow, BodyHappening, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch,
+};
 use crate::setpoint::{AxisSetpoint, HORIZON_NS};
 use crate::spindle::Spindle;
 use crate::touch_probe::TouchProbe;
+use handling::Handling;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use twin_kinematics::{AxisMotion, AxisVector};
@@ -50,6 +54,7 @@ pub struct Simulated {
     /// With a collision check.
     bodies: Option<Arc<SpindleBodies>>,
     probe: Option<TouchProbe>,
+    handling: Option<Handling>,
 }
 
 /// Happenings, by line, axis and kind.
@@ -113,6 +118,7 @@ impl Simulated {
             spindle,
             bodies,
             probe,
+            handling: Handling::of(machine),
         })
     }
 
@@ -306,6 +312,9 @@ impl Plant for Simulated {
             self.physics.axis_state().position
         };
         self.feel(setpoint, &position)?;
+        if let Some(handling) = &mut self.handling {
+            handling.act(setpoint, &mut self.physics);
+        }
         self.arrived = Some(AxisFeedback { time_ns: setpoint.time_ns, position });
         self.motors.clear();
         self.motors.extend((0..position.len()).map(|axis| self.physics.motor_state(axis)));
@@ -336,7 +345,12 @@ impl Plant for Simulated {
         std::mem::take(&mut self.happened.news)
     }
 
+    fn body_news(&mut self) -> Vec<BodyHappening> {
+        self.handling.as_mut().map(Handling::news).unwrap_or_default()
+    }
+
     fn record(&self) -> PlantRecord {
+        let handling = self.handling.as_ref();
         let axes = self.physics.setpoint().position.len();
         PlantRecord {
             happenings: self.happened.kept.values().copied().collect(),
@@ -344,7 +358,9 @@ impl Plant for Simulated {
             touches: self.happened.touches.clone(),
             missed: self.missed(),
             faults_to_come: self.faults.clone(),
-            left_out: self.happened.left_out,
+            handled: handling.map(Handling::happened).unwrap_or_default(),
+            bodies: handling.map(|it| it.bodies(&self.physics)).unwrap_or_default(),
+            left_out: self.happened.left_out + handling.map_or(0, |handling| handling.left_out),
             loads: (0..axes).map(|axis| self.physics.motor_load(axis)).collect(),
         }
     }

@@ -163,6 +163,10 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
     );
     desk.write("caller.ngc", "G21\no<far> call\nM2\n");
     desk.write("far.ngc", "o<far> sub\nG0 X700\no<far> endsub\n");
+    desk.write(
+        "part.toml",
+        "[[bodies]]\nname = \"part\"\nshape = \"sphere\"\nradius_mm = 5\nposition_mm = [0, 0, 500]\nmass_kg = 1\nclamp_n = 20\n",
+    );
     let vice = "examples/vice.ngc -m machines/gantry3_vice.toml --physics";
     let motors = "short.cnc -m machines/gantry3_motors.toml --physics";
     let checks = [
@@ -171,6 +175,7 @@ fn reports() -> (Vec<Value>, Vec<Value>) {
         "unfit.cnc -m machine.toml".to_owned(),
         "circles.cnc -m machines/scara2.toml".to_owned(),
         "caller.ngc -m machine.toml".to_owned(),
+        "circles.cnc -m machines/scara2.toml --scene part.toml --physics".to_owned(),
         "examples/jobs/flying_shear.toml -m machines/gantry3.toml".to_owned(),
     ]
     .map(|checked| desk.twin(&format!("check {checked} --format json")).object())

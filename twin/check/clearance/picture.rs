@@ -99,7 +99,7 @@ impl<'m> ClearancePicture<'m> {
     fn kind(&self, parts: [Part; 2]) -> usize {
         let obstacle = parts.into_iter().find_map(|part| match part {
             Part::Obstacle(index) => Some(index),
-            Part::Link(_) | Part::Tool => None,
+            Part::Link(_) | Part::Tool | Part::Body(_) => None,
         });
         obstacle.unwrap_or_else(|| self.obstacles())
     }

@@ -111,7 +111,7 @@ pub(super) fn check(arguments: &Arguments, machine: &Machine) -> Result<(), Fail
         )));
     }
     let read = [arguments.machine.path()].into_iter().chain(arguments.read.variables_file());
-    let read = read.chain(arguments.simulation.faults_file());
+    let read = read.chain(arguments.simulation.faults_file()).chain(arguments.scene.file());
     let targets = files.iter().map(|path| ("--clearance", path.as_path()));
     atomic_file::check_targets(Some(program), read, targets)
 }

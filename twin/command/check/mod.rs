@@ -3,8 +3,8 @@
 mod clearance;
 
 use super::options::{
-    AcknowledgeOption, InputOptions, LimitsOption, MachineOption, ReadOptions, SimulationOptions,
-    unreadable,
+    AcknowledgeOption, InputOptions, LimitsOption, MachineOption, ReadOptions, SceneOption,
+    SimulationOptions, unreadable,
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, following, show, switch_points, tappets};
@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use twin_kinematics::AxisVector;
-use twin_machine::{Machine, Scenario};
+use twin_machine::{Collision, Machine, Scenario};
 use twin_number::counted;
 use twin_number::seconds;
 
@@ -40,6 +40,9 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     machine: MachineOption,
+
+    #[command(flatten)]
+    scene: SceneOption,
 
     #[command(flatten)]
     read: ReadOptions,
@@ -103,10 +106,16 @@ enum Format {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let mut machine = arguments.machine.load()?;
+    arguments.scene.apply(&mut machine)?;
     arguments.simulation.in_loop.apply(&mut machine)?;
     let scenario = arguments.simulation.scenario(&machine)?;
     if !arguments.physics {
         arguments.simulation.without_physics()?;
+        let collision = machine.collision.as_ref();
+        if collision.is_some_and(Collision::handles_bodies) {
+            let path = machine.path.display();
+            stderr!("{path} has loose bodies or grippers, which only --physics moves");
+        }
     }
     clearance::check(arguments, &machine)?;
     let programs: Vec<_> = {

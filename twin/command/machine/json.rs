@@ -2,13 +2,13 @@
 
 use super::{Facts, devices};
 use crate::workspace::{Cut, Example, MeasureAt, Section};
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Point3};
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 use twin_kinematics::AxisVector;
-use twin_machine::{Axis, Collision, CoupledBy, Coupling, Machine};
-use twin_physics::{Obstacle, ObstacleKind, Part};
-use twin_urdf::SolidShape;
+use twin_machine::{Axis, Collision, CoupledBy, Coupling, GripperControl, GripperSignal, Machine};
+use twin_physics::{Body, Gripper, Obstacle, ObstacleKind, Part};
+use twin_urdf::{Solid, SolidShape};
 
 pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
     let (machine, workspace) = (facts.machine, &facts.workspace);
@@ -79,25 +79,48 @@ fn collision(machine: &Machine, collision: &Collision) -> Value {
             ObstacleKind::Fixture => "fixture",
             ObstacleKind::Stock => "stock",
         };
-        let solids = one.solids.iter().map(|solid| {
-            let [x, y, z] = solid.origin.translation.vector.into();
-            let (roll, pitch, yaw) = solid.origin.rotation.euler_angles();
-            let rotation = [roll, pitch, yaw].map(f64::to_degrees);
-            json!({
-                "shape": shape(&solid.shape),
-                "position_mm": millimetres([x, y, z]),
-                "rotation_deg": rotation,
-            })
-        });
         json!({
             "name": machine.part_name(Part::Obstacle(index)),
             "kind": kind,
-            "solids": solids.collect::<Vec<_>>(),
+            "belt_mm_per_s": millimetres(one.surface.velocity.into()),
+            "solids": solids(&one.solids),
+        })
+    };
+    let body = |body: &Body| {
+        let (position, rotation) = place(&body.pose);
+        json!({
+            "name": body.name,
+            "mass_kg": body.inertial.mass,
+            "position_mm": position,
+            "rotation_deg": rotation,
+            "clamp_n": body.clamp,
+            "solids": solids(&body.solids),
+        })
+    };
+    let gripper = |(gripper, control): (&Gripper, &GripperControl)| {
+        let (close, open, switch) = match control.signal {
+            GripperSignal::MFunctions([close, open]) => (Some(close), Some(open), None),
+            GripperSignal::Switch(switch) => (None, None, Some(switch)),
+        };
+        json!({
+            "name": gripper.name,
+            "kind": control.kind.name(),
+            "link": machine.part_name(Part::Link(gripper.link)),
+            "point_mm": point(&gripper.point),
+            "reach_mm": gripper.reach * 1e3,
+            "force_n": gripper.force,
+            "moment_nm": finite(gripper.moment),
+            "close_m": close,
+            "open_m": open,
+            "switch": switch,
+            "delay_ms": control.delay_ns / 1_000_000,
         })
     };
     let open = machine.open_meshes().into_iter();
     json!({
         "obstacles": around.obstacles.iter().enumerate().map(obstacle).collect::<Vec<_>>(),
+        "bodies": around.bodies.iter().map(body).collect::<Vec<_>>(),
+        "grippers": around.grippers.iter().zip(&collision.controls).map(gripper).collect::<Vec<_>>(),
         "self_collision": around.among_links,
         "left_out": around.left_out.iter().map(pair).collect::<Vec<_>>(),
         "overlapping": collision.overlapping.iter().map(pair).collect::<Vec<_>>(),
@@ -106,6 +129,24 @@ fn collision(machine: &Machine, collision: &Collision) -> Value {
         "tool_diameter_mm": machine.model.tool_diameter().map(|diameter| diameter * 1e3),
         "open_edges": open.map(|(name, edges)| (name, json!(edges))).collect::<Map<_, _>>(),
     })
+}
+
+/// Position, mm, and rotation, roll, pitch and yaw in degrees.
+fn place(pose: &Isometry3<f64>) -> (Vec<f64>, [f64; 3]) {
+    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    (millimetres(pose.translation.vector.into()), [roll, pitch, yaw].map(f64::to_degrees))
+}
+
+fn solids(solids: &[Solid]) -> Vec<Value> {
+    let solids = solids.iter().map(|solid| {
+        let (position, rotation) = place(&solid.origin);
+        json!({
+            "shape": shape(&solid.shape),
+            "position_mm": position,
+            "rotation_deg": rotation,
+        })
+    });
+    solids.collect()
 }
 
 /// Sizes in the machine frame's unit, mm.

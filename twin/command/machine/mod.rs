@@ -5,7 +5,7 @@ mod json;
 mod motors;
 mod text;
 
-use super::options::{self, DEFAULT_ADDRESS};
+use super::options::{self, DEFAULT_ADDRESS, SceneOption};
 use super::{Failure, Status, run};
 use crate::command::atomic_file;
 use crate::workspace::{Example, Section, View, Workspace, WorkspaceError, picture};
@@ -24,6 +24,9 @@ pub(super) struct Arguments {
     /// Machine file (TOML)
     #[arg(value_name = "FILE")]
     machine: PathBuf,
+
+    #[command(flatten)]
+    scene: SceneOption,
 
     /// Print the machine as URDF instead
     #[arg(long, conflicts_with_all = ["svg", "section", "height", "azimuth", "direction", "record", "serve", "format"])]
@@ -110,10 +113,12 @@ impl Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let view = arguments.view()?;
-    let machine = Machine::load(&arguments.machine)?;
+    let mut machine = Machine::load(&arguments.machine)?;
+    arguments.scene.apply(&mut machine)?;
     let svg = arguments.svg.iter().map(|path| ("--svg", path.as_path()));
     let record = arguments.record.iter().map(|path| ("--record", path.as_path()));
-    atomic_file::check_targets(None, [arguments.machine.as_path()], svg.chain(record))?;
+    let read = [arguments.machine.as_path()].into_iter().chain(arguments.scene.file());
+    atomic_file::check_targets(None, read, svg.chain(record))?;
     let mut out = io::stdout().lock();
     if arguments.urdf {
         let text = machine.model.to_urdf()?;

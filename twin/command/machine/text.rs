@@ -12,8 +12,11 @@ use twin_drives::Axes;
 use twin_interpcnc::EncoderOptions;
 use twin_interpcnc::InterpCncEntry;
 use twin_kinematics::{AxisVector, Branch, Kinematics, ReachOf};
-use twin_machine::{Axis, DriveFamily, Machine, VelocityLimit, VelocitySource};
+use twin_machine::{
+    Axis, Collision, DriveFamily, GripperSignal, Machine, VelocityLimit, VelocitySource,
+};
 use twin_number::{fixed, significant};
+use twin_physics::Part;
 
 pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
     file(out, facts.machine)?;
@@ -127,6 +130,7 @@ fn in_the_way(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
         writeln!(out, "in the way: {names}{links}; wanted clearance {wanted} mm")?;
         let links: Vec<_> = machine.model.links.iter().map(|link| link.name.as_str()).collect();
         writeln!(out, "links: {}", links.join(", "))?;
+        handled(out, machine, collision)?;
         if let Some(diameter) = machine.model.tool_diameter() {
             let diameter = significant(diameter * 1e3, 6);
             writeln!(out, "tool: {diameter} mm in diameter, for collisions")?;
@@ -148,6 +152,37 @@ fn in_the_way(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     }
     for warning in &machine.urdf_warnings {
         writeln!(out, "warning: {warning}")?;
+    }
+    Ok(())
+}
+
+/// Loose bodies and grippers.
+fn handled(out: &mut impl Write, machine: &Machine, collision: &Collision) -> io::Result<()> {
+    let around = &collision.surroundings;
+    let number = |value: f64| significant(value, 6);
+    for body in &around.bodies {
+        let place = point(&body.pose.translation.vector.into());
+        let clamp = body.clamp.map(|force| format!(", clamped with {} N", number(force)));
+        let (name, mass) = (&body.name, number(body.inertial.mass));
+        writeln!(out, "body {name}: {mass} kg at {place}{}", clamp.unwrap_or_default())?;
+    }
+    for (gripper, control) in around.grippers.iter().zip(&collision.controls) {
+        let link = machine.part_name(Part::Link(gripper.link));
+        let by = match control.signal {
+            GripperSignal::MFunctions([close, open]) => format!("M{close} closes, M{open} opens"),
+            GripperSignal::Switch(switch) => format!("closed while switch H{switch} is on"),
+        };
+        let moment = Some(gripper.moment).filter(|moment| moment.is_finite());
+        let moment = moment.map(|moment| format!(" and {} Nm", number(moment)));
+        writeln!(
+            out,
+            "gripper {}: {} on {link}, holds {} N{} within {} mm; {by}",
+            gripper.name,
+            control.kind.name(),
+            number(gripper.force),
+            moment.unwrap_or_default(),
+            number(gripper.reach * 1e3)
+        )?;
     }
     Ok(())
 }

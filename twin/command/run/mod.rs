@@ -14,7 +14,7 @@ mod watcher;
 
 use super::options::{
     self, AcknowledgeOption, DEFAULT_ADDRESS, InputOptions, LimitsOption, MachineOption,
-    ReadOptions, SimulationOptions, unreadable,
+    ReadOptions, SceneOption, SimulationOptions, unreadable,
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, check, following, show};
@@ -59,6 +59,9 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     machine: MachineOption,
+
+    #[command(flatten)]
+    scene: SceneOption,
 
     #[command(flatten)]
     read: ReadOptions,
@@ -188,7 +191,7 @@ impl Arguments {
     /// Nothing is written over what is read, and nothing twice.
     fn check_targets(&self, program: &ProgramFile) -> Result<(), Failure> {
         let read = [self.machine.path()].into_iter().chain(self.read.variables_file());
-        let read = read.chain(self.simulation.faults_file());
+        let read = read.chain(self.simulation.faults_file()).chain(self.scene.file());
         let record = self.record.iter().map(|path| ("--record", path.as_path()));
         let report = self.report.iter().map(|path| ("--report", path.as_path()));
         let logs = self.axis_watch.targets();
@@ -199,6 +202,7 @@ impl Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     arguments.check()?;
     let mut machine = arguments.machine.load()?;
+    arguments.scene.apply(&mut machine)?;
     arguments.simulation.in_loop.apply(&mut machine)?;
     if arguments.drives == Drives::Real {
         startup::expect_real(&mut machine);
@@ -282,6 +286,7 @@ fn execute(
         behind.extend(crate::check::faults_to_come(machine, &done.ending.record));
     }
     outcome.loads.clone_from(&done.ending.record.loads);
+    outcome.bodies.clone_from(&done.ending.record.bodies);
     behind.extend_from_slice(&done.ended);
     show::findings(program, &behind, show::Shown::WithNotes);
     outcome.findings.extend(behind);

@@ -11,6 +11,8 @@ pub enum FileKind {
     Job,
     /// A cam.
     Cam,
+    /// A scene: what is around a machine.
+    Scene,
 }
 
 impl FileKind {
@@ -19,12 +21,13 @@ impl FileKind {
         if self.is(root) {
             return false;
         }
-        let kinds = [Self::Machine, Self::Job, Self::Cam];
+        let kinds = [Self::Machine, Self::Job, Self::Cam, Self::Scene];
         let Some(other) = kinds.into_iter().find(|kind| kind.is(root)) else { return false };
         let hint = match other {
             Self::Machine => "",
             Self::Job => ": `twin cam run` runs it",
             Self::Cam => ": `twin cam check` looks at it",
+            Self::Scene => ": `--scene` adds it to a machine",
         };
         root.complain(format!("this is a {}, not a {}{hint}", other.name(), self.name()));
         root.accept_all();
@@ -37,6 +40,7 @@ impl FileKind {
             Self::Machine => &["axes"],
             Self::Job => &["blocks"],
             Self::Cam => &["elements", "table", "tappets"],
+            Self::Scene => &["obstacles", "bodies", "friction", "grippers"],
         };
         keys.iter().any(|key| root.has(key))
     }
@@ -46,6 +50,7 @@ impl FileKind {
             Self::Machine => "machine file",
             Self::Job => "job",
             Self::Cam => "cam",
+            Self::Scene => "scene file",
         }
     }
 }

@@ -355,6 +355,20 @@ impl<'a> Section<'a> {
         pairs
     }
 
+    /// The `N` names of `key`; a problem if it is missing or something else.
+    pub(crate) fn required_names<const N: usize>(&self, key: &str) -> Option<[&'a str; N]> {
+        self.note(key, true, || Expected::Names(N));
+        self.require(key)?;
+        let value = self.value(key)?;
+        let array = self.array(key, value, &format!("an array of {N} names"))?;
+        let names: Option<Vec<_>> = array.iter().map(|name| name.get_ref().as_str()).collect();
+        let names = names.and_then(|names| names.try_into().ok());
+        if names.is_none() {
+            self.complain_at(key, format!("`{key}` has to be {N} names"));
+        }
+        names
+    }
+
     /// Lets every key pass, where an earlier complaint keeps the section from being read.
     pub fn accept_all(&self) {
         let keys = self.table.into_iter().flatten().map(|(key, _)| key.get_ref().to_string());

@@ -29,6 +29,8 @@ pub enum Expected {
     Choice(Vec<String>),
     /// `true` or `false`.
     Flag,
+    /// A list of names of this length.
+    Names(usize),
     /// A list of pairs of names.
     NamePairs,
     /// A table.
@@ -104,6 +106,7 @@ impl fmt::Display for Expected {
                 f.write_str(&words.join(", "))
             }
             Self::Flag => f.write_str("`true` or `false`"),
+            Self::Names(count) => write!(f, "{count} names"),
             Self::NamePairs => f.write_str("list of pairs of names"),
             Self::Table => f.write_str("table"),
             Self::Tables => f.write_str("array of tables"),

@@ -319,6 +319,11 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                     observer.happened(setpoint.time_ns, news.place, &finding.message);
                 }
             }
+            for news in self.twin.body_news() {
+                if let Some(finding) = check::handled(self.machine, &news) {
+                    observer.happened(setpoint.time_ns, news.place, &finding.message);
+                }
+            }
             let feedback = match feedback {
                 Ok(Some(feedback)) => feedback,
                 Ok(None) => continue,
