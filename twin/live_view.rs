@@ -18,8 +18,8 @@ use twin_machine::{Machine, SimulationError};
 use twin_path::{ElementKind, PathElement, Shape};
 use twin_physics::{ClearanceScan, MotorState};
 use twin_viz::{
-    Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle,
-    PathStrip, Program, Scene, SceneOptions, Setup, Viewer, VizError,
+    Axis, AxisUnit, Body, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind,
+    Obstacle, PathStrip, Program, Scene, SceneOptions, Setup, Viewer, VizError,
 };
 
 /// Cycles of the twin shown between samples of the drives, ns.
@@ -77,6 +77,8 @@ struct Instant {
     tappets: TappetBits,
     /// Switches of the path that are on.
     switches: u32,
+    /// Loose bodies.
+    bodies: Vec<Isometry3<f64>>,
 }
 
 impl<'m> Picture<'m> {
@@ -136,6 +138,7 @@ impl<'m> Picture<'m> {
             machine: shown.as_deref().unwrap_or(&machine.model),
             home: &picture.poses,
             surroundings: &obstacles(machine),
+            bodies: &loose_bodies(machine),
             clearance: picture.scan.as_ref().and(machine.collision.as_ref()).map(|it| it.clearance),
             axes: &axes,
             program: Program { name: &name, text: &text },
@@ -193,6 +196,7 @@ impl<'m> Picture<'m> {
             motors: cycle.motors.iter().map(motor_frame).collect(),
             tappets,
             switches,
+            bodies: cycle.bodies.to_vec(),
         });
         self.show_before(if self.has_drives { time_ns - PATIENCE_NS } else { i64::MAX });
     }
@@ -226,6 +230,7 @@ impl<'m> Picture<'m> {
             motors: Vec::new(),
             tappets: self.tappets[1],
             switches: self.switches[1],
+            bodies: Vec::new(),
         };
         self.show(&instant, Some(sample.drives));
     }
@@ -279,6 +284,7 @@ impl<'m> Picture<'m> {
             path_speed: instant.path_speed,
             programmed_speed: instant.feed,
             link_poses: &self.poses,
+            body_poses: &instant.bodies,
             twin: Deviation {
                 tool: twin.tool,
                 tool_error: (twin.tool - wanted.tool).norm(),
@@ -325,6 +331,13 @@ pub(crate) fn obstacles(machine: &Machine) -> Vec<Obstacle<'_>> {
     let collision = machine.collision.iter();
     let obstacles = collision.flat_map(|collision| &collision.surroundings.obstacles);
     obstacles.map(|one| Obstacle { name: &one.name, solids: &one.solids }).collect()
+}
+
+/// Loose bodies of a machine, for the view.
+fn loose_bodies(machine: &Machine) -> Vec<Body<'_>> {
+    let collision = machine.collision.iter();
+    let bodies = collision.flat_map(|collision| &collision.surroundings.bodies);
+    bodies.map(|one| Body { name: &one.name, solids: &one.solids, pose: one.pose }).collect()
 }
 
 /// Numbers of the switches that a path has switch points for.

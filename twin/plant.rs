@@ -180,6 +180,11 @@ pub trait Plant {
         Vec::new()
     }
 
+    /// Poses of the loose bodies after the last cycle, machine frame; none where they are not known.
+    fn body_poses(&self) -> Vec<Isometry3<f64>> {
+        Vec::new()
+    }
+
     /// What happened to loose bodies and grippers in the cycle of the last set-point.
     fn body_news(&mut self) -> Vec<BodyHappening> {
         Vec::new()

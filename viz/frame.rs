@@ -21,6 +21,17 @@ pub struct Obstacle<'a> {
     pub solids: &'a [Solid],
 }
 
+/// A loose body, which the machine may move.
+#[derive(Clone, Copy, Debug)]
+pub struct Body<'a> {
+    /// Its name in the machine file.
+    pub name: &'a str,
+    /// Its solids in its own frame, m.
+    pub solids: &'a [Solid],
+    /// Its pose at the start, machine frame.
+    pub pose: Isometry3<f64>,
+}
+
 /// An axis of the machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Axis {
@@ -76,6 +87,9 @@ pub struct Frame<'a> {
     pub programmed_speed: Option<f64>,
     /// Poses of the links of the twin in the machine frame, in the order of the model.
     pub link_poses: &'a [Isometry3<f64>],
+    /// Poses of the loose bodies in the machine frame, in the order of [`Setup::bodies`](crate::Setup::bodies); empty if
+    /// they are not known for this instant.
+    pub body_poses: &'a [Isometry3<f64>],
     /// The twin against the set-point.
     pub twin: Deviation<'a>,
     /// States of the twin's motors, in the order of the axes; empty if they are not known for this instant.

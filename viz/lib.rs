@@ -54,6 +54,7 @@
 //!     machine: &model,
 //!     home: &poses,
 //!     surroundings: &[],
+//!     bodies: &[],
 //!     clearance: None,
 //!     axes: &[Axis { name: "A".to_owned(), unit: AxisUnit::Rotary }],
 //!     program: Program { name: "arm.cnc", text: "% arm" },
@@ -67,6 +68,7 @@
 //!     path_speed: 0.0,
 //!     programmed_speed: None,
 //!     link_poses: &poses,
+//!     body_poses: &[],
 //!     twin: Deviation { tool, tool_error: 0.0, axis_errors: &[0.0] },
 //!     motors: &[],
 //!     clearance: None,
@@ -96,8 +98,8 @@ mod workspace;
 pub use background::{Background, Ended, Item, Sink};
 pub use error::{Result, VizError};
 pub use frame::{
-    Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle,
-    PathStrip, Program,
+    Axis, AxisUnit, Body, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind,
+    Obstacle, PathStrip, Program,
 };
 pub use scene::{Scene, SceneOptions, Setup};
 pub use server::{DEFAULT_ADDRESS, Viewer, view_recording};

@@ -11,7 +11,7 @@ use crate::frame::Obstacle;
 use crate::recorder::Recorder;
 use crate::scene::SceneOptions;
 use crate::scene::destination::{self, Destination};
-use crate::scene::machine::{self, Machine};
+use crate::scene::machine::{self, Moving};
 use crate::server::Viewer;
 use crate::units::point_mm;
 use std::sync::atomic::Ordering;
@@ -76,7 +76,7 @@ pub fn show_workspace(options: &SceneOptions, view: &WorkspaceView<'_>) -> Resul
     stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
 
     let mut bounds = Bounds::default();
-    let mut machine = Machine::log_solids(&mut stream, view.machine, view.poses, &mut bounds)?;
+    let mut machine = Moving::links(&mut stream, view.machine, view.poses, &mut bounds)?;
     machine::log_obstacles(&mut stream, view.surroundings, &mut bounds)?;
     stream.set_time(0, 0);
     machine.log_poses(&mut stream, view.poses)?;

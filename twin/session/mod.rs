@@ -19,6 +19,7 @@ use crate::plant::{Plant, PlantRecord};
 use crate::program::ProgramFile;
 use crate::program::inputs::Steps;
 use crate::setpoint::AxisSetpoint;
+use nalgebra::Isometry3;
 pub use overrides::{OverrideAt, OverrideAtError, OverrideChange, override_factor};
 pub use punctuality::Punctuality;
 pub use rest::{Rest, whereabouts};
@@ -48,6 +49,8 @@ pub struct TwinCycle<'a> {
     pub twin: &'a Measured,
     /// States of its motors in the cycle, in machine-file order; none where they are not known.
     pub motors: &'a [MotorState],
+    /// Poses of its loose bodies, machine frame.
+    pub bodies: &'a [Isometry3<f64>],
 }
 
 /// One sample of the drives.

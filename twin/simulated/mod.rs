@@ -12,6 +12,7 @@ use crate::setpoint::{AxisSetpoint, HORIZON_NS};
 use crate::spindle::Spindle;
 use crate::touch_probe::TouchProbe;
 use handling::Handling;
+use nalgebra::Isometry3;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use twin_kinematics::{AxisMotion, AxisVector};
@@ -331,6 +332,10 @@ impl Plant for Simulated {
 
     fn feedback(&mut self) -> Result<Option<AxisFeedback>, PhysicsError> {
         Ok(self.arrived.take())
+    }
+
+    fn body_poses(&self) -> Vec<Isometry3<f64>> {
+        self.physics.body_poses()
     }
 
     fn motors(&self) -> &[MotorState] {

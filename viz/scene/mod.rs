@@ -25,7 +25,7 @@ use twin_urdf::Model;
 use crate::blueprint::{self, Layout};
 use crate::bounds::Bounds;
 use crate::error::{Result, VizError};
-use crate::frame::{Axis, Deviation, DrivesFrame, Frame, Obstacle, PathStrip, Program};
+use crate::frame::{Axis, Body, Deviation, DrivesFrame, Frame, Obstacle, PathStrip, Program};
 use crate::motor_plot::MotorPlot;
 use crate::palette;
 use crate::recorder::Recorder;
@@ -34,7 +34,7 @@ use crate::timeline::Playback;
 use clearance::ClearanceTrack;
 use destination::Destination;
 use due::Due;
-use machine::Machine;
+use machine::Moving;
 use motors::MotorSeries;
 pub use options::SceneOptions;
 use program::Excerpt;
@@ -56,6 +56,8 @@ pub struct Setup<'a> {
     pub home: &'a [Isometry3<f64>],
     /// Obstacles around it.
     pub surroundings: &'a [Obstacle<'a>],
+    /// Loose bodies.
+    pub bodies: &'a [Body<'a>],
     /// Smallest permitted clearance, m; 0 if only contact counts. `None` if that is not measured.
     pub clearance: Option<f64>,
     /// Its axes.
@@ -78,7 +80,8 @@ pub struct Scene {
     playback: Playback,
     has_layout: bool,
     strips_logged: usize,
-    machine: Machine,
+    machine: Moving,
+    bodies: Moving,
     axes: Vec<AxisSeries>,
     motors: Vec<MotorSeries>,
     excerpt: Excerpt,
@@ -109,10 +112,13 @@ impl Scene {
             destination::open(options, setup.program.name)?;
         let mut bounds = Bounds::default();
         stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
-        let mut machine = Machine::log_solids(&mut stream, setup.machine, setup.home, &mut bounds)?;
+        let mut machine = Moving::links(&mut stream, setup.machine, setup.home, &mut bounds)?;
         machine::log_obstacles(&mut stream, setup.surroundings, &mut bounds)?;
+        let mut bodies = Moving::bodies(&mut stream, setup.bodies, &mut bounds)?;
         stream.set_time(0, 0);
         machine.log_poses(&mut stream, setup.home)?;
+        let poses: Vec<_> = setup.bodies.iter().map(|body| body.pose).collect();
+        bodies.log_poses(&mut stream, &poses)?;
         program::log_about(&mut stream, setup)?;
 
         let error = |name, label, color| Series::new(format!("error/tool/{name}"), label, color);
@@ -138,6 +144,7 @@ impl Scene {
             has_layout: false,
             strips_logged: 0,
             machine,
+            bodies,
             axes: AxisSeries::all(setup.axes),
             motors: MotorSeries::all(setup.axes),
             excerpt: Excerpt::new(setup.program.text),
@@ -220,6 +227,7 @@ impl Scene {
         }
         if self.pose_due.take(frame.time_ns) {
             self.machine.log_poses(&mut self.stream, frame.link_poses)?;
+            self.bodies.log_poses(&mut self.stream, frame.body_poses)?;
             let newest = [&self.setpoint, &self.twin, &self.drives]
                 .into_iter()
                 .filter_map(ToolTrack::newest);
@@ -306,7 +314,7 @@ impl Scene {
     }
 
     fn fits(&self, frame: &Frame<'_>) -> Result<()> {
-        VizError::check_links(self.machine.link_count(), frame.link_poses.len())?;
+        VizError::check_links(self.machine.count(), frame.link_poses.len())?;
         let drives = frame.drives.as_ref().map(|drives| drives.deviation.axis_errors.len());
         let counts = [
             ("motors", Some(frame.motors.len()).filter(|count| *count > 0)),

@@ -338,7 +338,8 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                 self.resting.twin = Some(twin);
                 let motors = self.twin.motors();
                 let (wanted, twin) = (&wanted, &twin);
-                observer.twin(&TwinCycle { setpoint: &setpoint, wanted, twin, motors });
+                let bodies = &self.twin.body_poses();
+                observer.twin(&TwinCycle { setpoint: &setpoint, wanted, twin, motors, bodies });
             }
         }
     }
