@@ -1,6 +1,5 @@
 //! Errors of the program writers: path elements that a program of the dialect cannot express.
 
-use crate::rs274::Control;
 use std::io;
 use twin_path::{Place, Probing};
 
@@ -49,8 +48,8 @@ pub enum WriteError {
         place: Place,
         /// The word.
         word: String,
-        /// The control.
-        control: Control,
+        /// Name of the control.
+        control: &'static str,
         /// What it does instead; may be empty.
         reason: &'static str,
     },

@@ -59,6 +59,11 @@ impl Control {
     pub const fn name(self) -> &'static str {
         Self::NAMES[self as usize][0]
     }
+
+    /// Its name in messages.
+    pub(super) const fn title(self) -> &'static str {
+        Self::NAMES[self as usize][1]
+    }
 }
 
 /// Numbers that a control reads differently, and the decoder with it.
@@ -147,7 +152,7 @@ impl Control {
 /// The name as its makers write it.
 impl fmt::Display for Control {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(Self::NAMES[*self as usize][1])
+        f.write_str(self.title())
     }
 }
 

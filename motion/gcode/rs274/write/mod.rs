@@ -229,8 +229,7 @@ impl<W: Write> ProgramWriter<W> {
 
     /// Checks that the control has `word`.
     fn check_word(&self, place: Place, word: String) -> Result<(), WriteError> {
-        let control = self.control;
-        let reason = control.refusal(&word);
+        let (reason, control) = (self.control.refusal(&word), self.control.title());
         reason.map_or(Ok(()), |reason| Err(WriteError::Word { place, word, control, reason }))
     }
 
@@ -578,7 +577,7 @@ impl<W: Write> ProgramWriter<W> {
         }
         if matches!(number, 2 | 30 | 47 | 70..=73 | 98 | 99) {
             let reason = "it would end the program, or go on elsewhere";
-            return Err(WriteError::Word { place, word, control: self.control, reason });
+            return Err(WriteError::Word { place, word, control: self.control.title(), reason });
         }
         self.check_word(place, word.clone())?;
         let MParameters { mut k, l, o } = parameters;
