@@ -6,7 +6,6 @@ use crate::contact_solver::Row;
 use crate::distances::Near;
 use crate::joint::JointVector;
 use crate::surroundings::{Part, Surroundings};
-use crate::world::Touch;
 
 /// Contact force between two parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +29,23 @@ pub struct Collision {
     pub speed: f64,
     /// The contact in that cycle.
     pub contact: Contact,
+}
+
+/// Contact between two parts in a step of rapier.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touch {
+    /// Numbers of the parts, the smaller first.
+    pub(super) numbers: [usize; 2],
+    /// The parts in that order.
+    pub(super) parts: [Part; 2],
+    /// N·s.
+    pub(super) impulse: f64,
+    /// Machine frame, m.
+    pub(super) point: Point3<f64>,
+    /// m.
+    pub(super) depth: f64,
+    /// Approach speed at the beginning of the step, m/s.
+    pub(super) speed: f64,
 }
 
 /// Two parts that touch, by their numbers.

@@ -13,13 +13,13 @@ use rapier3d_f64::geometry::ColliderBuilder;
 use rapier3d_f64::parry::mass_properties::MassProperties;
 use rapier3d_f64::pipeline::{ActiveHooks, PhysicsWorld};
 
+use crate::contact::Touch;
 use crate::error::{PhysicsError, Result};
 use crate::event::{BodyEventKind, LossCause};
 use crate::maths;
 use crate::multibody::Place;
 use crate::solids;
 use crate::surroundings::{Body, Gripper, Part, Surroundings};
-use crate::world::Touch;
 
 /// A body that has been pushed farther than this has moved, m.
 const MOVED: f64 = 1e-4;

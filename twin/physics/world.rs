@@ -15,6 +15,7 @@ use rapier3d_f64::pipeline::{
 };
 use twin_urdf::{JointKind, Model};
 
+use crate::contact::Touch;
 use crate::distances::{Distances, Near};
 use crate::driven::{Coordinates, Driven};
 use crate::equation::Equation;
@@ -81,23 +82,6 @@ struct Stepped {
     places: Vec<Place>,
     /// Links of a tripod that are only placed.
     placed: Vec<(usize, RigidBodyHandle)>,
-}
-
-/// Contact between two parts in a step of rapier.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Touch {
-    /// Numbers of the parts, the smaller first.
-    pub(super) numbers: [usize; 2],
-    /// The parts in that order.
-    pub(super) parts: [Part; 2],
-    /// N·s.
-    pub(super) impulse: f64,
-    /// Machine frame, m.
-    pub(super) point: Point3<f64>,
-    /// m.
-    pub(super) depth: f64,
-    /// Approach speed at the beginning of the step, m/s.
-    pub(super) speed: f64,
 }
 
 impl std::fmt::Debug for RapierWorld {
