@@ -1,6 +1,6 @@
 //! Contacts between the parts of a machine and its surroundings: reports and state.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::contact_solver::Row;
 use crate::distances::Near;
@@ -40,6 +40,8 @@ pub(super) struct Touch {
     pub(super) parts: [Part; 2],
     /// N·s.
     pub(super) impulse: f64,
+    /// The same as a vector, on the second part, machine frame.
+    pub(super) push: Vector3<f64>,
     /// Machine frame, m.
     pub(super) point: Point3<f64>,
     /// m.

@@ -7,10 +7,11 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapier3d_f64::dynamics::{
     CoefficientCombineRule, FixedJointBuilder, ImpulseJointHandle, RigidBodyBuilder,
-    RigidBodyHandle,
+    RigidBodyHandle, RigidBodyType,
 };
 use rapier3d_f64::geometry::ColliderBuilder;
 use rapier3d_f64::parry::mass_properties::MassProperties;
+use rapier3d_f64::parry::query::distance as parry_distance;
 use rapier3d_f64::pipeline::{ActiveHooks, PhysicsWorld};
 
 use crate::contact::Touch;
@@ -31,8 +32,12 @@ const AT_REST: f64 = 1e-4;
 #[derive(Clone, Debug)]
 struct Loose {
     handle: RigidBodyHandle,
-    /// The joint of its clamp, and the force that this holds, N.
-    clamp: Option<(ImpulseJointHandle, f64)>,
+    /// Force that its clamp holds, N. Until it gives way the body is fixed: a joint would be soft against the machine.
+    clamp: Option<f64>,
+    /// True if it lies on something at the start: then the clamp need not hold its weight.
+    lies: bool,
+    /// Mass that it has in rapier beyond its own, as a part of its own.
+    ballast: f64,
     inertial: twin_urdf::Inertial,
     /// Where it was at rest, m.
     rest: Point3<f64>,
@@ -68,30 +73,26 @@ pub(super) struct LooseBodies {
 }
 
 impl LooseBodies {
-    /// Inserts the bodies of `surroundings`, whose parts are numbered from `first` on; `lowest` is the height below which
-    /// there is nothing, m.
+    /// Inserts the bodies of `surroundings`, whose parts are numbered from `first` on; a body that falls by `fall` (m)
+    /// below everything is lost.
     /// Errors: [`PhysicsError::FlatMesh`].
     pub(super) fn new(
         world: &mut PhysicsWorld,
         surroundings: &Surroundings,
         first: usize,
-        lowest: f64,
+        fall: f64,
     ) -> Result<Self> {
-        let ground = world.insert_body(RigidBodyBuilder::fixed());
         let still = Vector3::zeros();
         let belts = surroundings.obstacles.iter().any(|one| one.surface.velocity != still);
         let mut bodies = Vec::with_capacity(surroundings.bodies.len());
         for (index, body) in surroundings.bodies.iter().enumerate() {
             // rapier would let what a slow belt carries fall asleep.
             let handle = insert(world, (body, index), first, belts)?;
-            let clamp = body.clamp.map(|limit| {
-                let joint =
-                    FixedJointBuilder::new().local_frame1(maths::pose_to_rapier(&body.pose));
-                (world.insert_impulse_joint(ground, handle, joint), limit)
-            });
             bodies.push(Loose {
                 handle,
-                clamp,
+                clamp: body.clamp,
+                lies: false,
+                ballast: 0.0,
                 inertial: body.inertial,
                 rest: body.pose * body.inertial.center,
                 pushed: None,
@@ -102,9 +103,14 @@ impl LooseBodies {
                 velocity: Vector3::zeros(),
             });
         }
+        for body in &mut bodies {
+            body.lies = body.clamp.is_some() && body.lies_on_something(world);
+        }
         let grippers = surroundings.grippers.iter().cloned();
         let grippers =
             grippers.map(|parameters| GripperAtWork { parameters, holding: None, load: [0.0; 2] });
+        let lowest = world.colliders.iter().map(|(_, collider)| collider.compute_aabb().mins.z);
+        let lowest = lowest.fold(f64::INFINITY, f64::min) - fall;
         Ok(Self { bodies, grippers: grippers.collect(), lowest })
     }
 
@@ -119,16 +125,15 @@ impl LooseBodies {
             if let (Some(to), Some(from)) =
                 (world.bodies.get_mut(body.handle), old_world.bodies.get(old.handle))
             {
+                to.set_body_type(from.body_type(), true);
                 to.set_position(*from.position(), true);
                 to.set_linvel(from.linvel(), true);
                 to.set_angvel(from.angvel(), true);
                 to.set_enabled(from.is_enabled());
+                to.set_additional_mass_properties(mass_of(&old.inertial, 1.0 + old.ballast), true);
+                to.set_gravity_scale(from.gravity_scale(), true);
             }
-            if let (Some((joint, _)), None) = (body.clamp, old.clamp) {
-                world.remove_impulse_joint(joint);
-            }
-            let clamp = body.clamp.filter(|_| old.clamp.is_some());
-            *body = Loose { handle: body.handle, clamp, ..old.clone() };
+            *body = Loose { handle: body.handle, ..old.clone() };
         }
         for (gripper, old) in self.grippers.iter_mut().zip(&old.grippers) {
             let Some((joint, index)) = old.holding else { continue };
@@ -136,6 +141,7 @@ impl LooseBodies {
             let (Some(joint), Some(place), Some(body)) =
                 (joint, places.get(gripper.parameters.link), self.bodies.get(index))
             else {
+                self.bodies.get_mut(index).iter_mut().for_each(|body| body.held = None);
                 continue;
             };
             let joint = world.insert_impulse_joint(place.body, body.handle, joint);
@@ -152,9 +158,9 @@ impl LooseBodies {
         self.grippers.iter().any(|gripper| gripper.holding.is_some())
     }
 
-    /// True if a gripper holds this body.
-    pub(super) fn is_held(&self, body: usize) -> bool {
-        self.bodies.get(body).is_some_and(|body| body.held.is_some())
+    /// The gripper that holds this body.
+    pub(super) fn holder(&self, body: usize) -> Option<usize> {
+        self.bodies.get(body)?.held
     }
 
     /// The body that a gripper holds.
@@ -257,21 +263,26 @@ impl LooseBodies {
         world: &mut PhysicsWorld,
         link_poses: &[Isometry3<f64>],
         (touches, cycle): (&[Touch], f64),
+        heavy: f64,
         events: &mut Vec<BodyEventKind>,
     ) {
         self.load_grippers(world, link_poses, (touches, cycle), events);
         for (index, body) in self.bodies.iter_mut().enumerate() {
-            if let Some((joint, limit)) = body.clamp {
-                let force = force_of(world, joint, cycle).norm();
+            if let Some(limit) = body.clamp {
+                let force = body.clamped_force(world, index, (touches, cycle)).norm();
                 if force > limit {
-                    world.remove_impulse_joint(joint);
                     body.clamp = None;
+                    if let Some(found) = world.bodies.get_mut(body.handle) {
+                        found.set_body_type(RigidBodyType::Dynamic, true);
+                    }
                     events.push(BodyEventKind::ClampGaveWay { body: index, force });
                 }
             }
             body.watch(world, index, touches, events);
+            body.weigh(world, index, touches, heavy);
             let Some(found) = world.bodies.get_mut(body.handle) else { continue };
-            if !body.dropped && body.held.is_none() && found.translation().z < self.lowest {
+            let is_free = body.clamp.is_none() && body.held.is_none() && !body.dropped;
+            if is_free && found.translation().z < self.lowest {
                 body.dropped = true;
                 found.set_enabled(false);
                 events.push(BodyEventKind::Dropped { body: index });
@@ -313,6 +324,60 @@ impl LooseBodies {
 }
 
 impl Loose {
+    /// True if something is nearer than a tenth of a millimetre.
+    fn lies_on_something(&self, world: &PhysicsWorld) -> bool {
+        let own = world.bodies.get(self.handle).map_or(&[][..], |body| body.colliders());
+        own.iter().filter_map(|handle| world.colliders.get(*handle)).any(|mine| {
+            world.colliders.iter().filter(|(handle, _)| !own.contains(handle)).any(|(_, other)| {
+                let [one, two] = [mine, other].map(|it| (it.position(), it.shape()));
+                let distance = parry_distance(one.0, one.1, two.0, two.1);
+                distance.is_ok_and(|found| found.distance < MOVED)
+            })
+        })
+    }
+
+    /// Force that its clamp holds in a step with `touches`, N, machine frame.
+    fn clamped_force(
+        &self,
+        world: &PhysicsWorld,
+        index: usize,
+        (touches, cycle): (&[Touch], f64),
+    ) -> Vector3<f64> {
+        let pushes = touches.iter().filter_map(|touch| match touch.parts {
+            [_, Part::Body(body)] if body == index => Some(touch.push),
+            [Part::Body(body), _] if body == index => Some(-touch.push),
+            _ => None,
+        });
+        let pushed = pushes.sum::<Vector3<f64>>() / cycle;
+        let weight = maths::vector_from_rapier(world.gravity) * self.inertial.mass;
+        if self.lies { pushed } else { pushed + weight }
+    }
+
+    /// Gives a body between the machine and something else at least `heavy` (kg) in rapier, with the same weight: its
+    /// passes carry a force through a light body only slowly. What it weighs in motion is then too much, by less
+    /// than a twentieth of the machine.
+    fn weigh(&mut self, world: &mut PhysicsWorld, index: usize, touches: &[Touch], heavy: f64) {
+        let own = Part::Body(index);
+        let others = touches.iter().filter(|touch| touch.parts.contains(&own)).map(|touch| {
+            let [one, other] = touch.parts;
+            matches!(if one == own { other } else { one }, Part::Link(1..) | Part::Tool)
+        });
+        let (by_machine, by_other) = others
+            .fold((self.held.is_some(), false), |(a, b), machine| (a || machine, b || !machine));
+        let mass = self.inertial.mass;
+        let is_between = by_machine && by_other && mass < heavy;
+        let ballast = if is_between { heavy / mass - 1.0 } else { 0.0 };
+        if (ballast - self.ballast).abs() <= f64::EPSILON {
+            return;
+        }
+        self.ballast = ballast;
+        let factor = 1.0 + ballast;
+        let Some(body) = world.bodies.get_mut(self.handle) else { return };
+        body.set_additional_mass_properties(mass_of(&self.inertial, factor), true);
+        body.recompute_mass_properties_from_colliders(&world.colliders);
+        body.set_gravity_scale(1.0 / factor, true);
+    }
+
     /// It is at rest where it is.
     fn put_down(&mut self, world: &PhysicsWorld) {
         let Some(found) = world.bodies.get(self.handle) else { return };
@@ -338,9 +403,12 @@ impl Loose {
             // The base carries.
             (is_it && matches!(by, Part::Link(1..) | Part::Tool)).then_some(by)
         });
-        self.pushed = pushes.or(self.pushed);
         let Some(found) = world.bodies.get(self.handle) else { return };
         let place = maths::pose_from_rapier(found.position()) * self.inertial.center;
+        if pushes.is_some() && self.pushed.is_none() {
+            self.rest = place;
+        }
+        self.pushed = pushes.or(self.pushed);
         if let Some(by) = self.pushed
             && !self.moved
             && (place - self.rest).norm() > MOVED
@@ -386,21 +454,29 @@ fn force_of(world: &PhysicsWorld, joint: ImpulseJointHandle, cycle: f64) -> Vect
     rotation.rotation * Vector3::new(x, y, z)
 }
 
+/// `inertial` times `factor`.
+fn mass_of(inertial: &twin_urdf::Inertial, factor: f64) -> MassProperties {
+    MassProperties::with_inertia_matrix(
+        maths::point_to_rapier(&inertial.center),
+        inertial.mass * factor,
+        maths::matrix_to_rapier(&(inertial.inertia * factor)),
+    )
+}
+
 fn insert(
     world: &mut PhysicsWorld,
     (body, index): (&Body, usize),
     first: usize,
     keep_awake: bool,
 ) -> Result<RigidBodyHandle> {
-    let mass = MassProperties::with_inertia_matrix(
-        maths::point_to_rapier(&body.inertial.center),
-        body.inertial.mass,
-        maths::matrix_to_rapier(&body.inertial.inertia),
-    );
-    let builder = RigidBodyBuilder::dynamic()
+    let builder = match body.clamp {
+        Some(_) => RigidBodyBuilder::fixed(),
+        None => RigidBodyBuilder::dynamic(),
+    };
+    let builder = builder
         .can_sleep(!keep_awake)
         .pose(maths::pose_to_rapier(&body.pose))
-        .additional_mass_properties(mass);
+        .additional_mass_properties(mass_of(&body.inertial, 1.0));
     let handle = world.insert_body(builder);
     for (solid, one) in body.solids.iter().enumerate() {
         let part = Part::Body(index);

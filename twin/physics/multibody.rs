@@ -181,6 +181,13 @@ impl Multibody {
         }
     }
 
+    /// What moves: the mass of the links, or the largest of the `inertia` (kg) of a slide, kg.
+    pub(super) fn mass(&self, inertia: &JointVector) -> f64 {
+        let links: f64 = self.moving.iter().map(|link| link.mass).sum();
+        let slides = self.moving.iter().filter(|link| !link.revolute);
+        slides.map(|link| inertia[link.joint]).fold(links, f64::max)
+    }
+
     /// Gives the joints the inertia `mass` (kg or kg·m²): what their links lack becomes rotors.
     pub(super) fn weigh(&self, world: &mut PhysicsWorld, mass: &JointVector) {
         let carried: f64 = self.moving.iter().map(|link| link.mass).sum();

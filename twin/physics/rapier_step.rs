@@ -28,7 +28,7 @@ impl PhysicsMachine {
         let mean = self.world.mean_velocities(way, self.cycle)?;
         let before = std::mem::replace(&mut self.contact.velocity, mean);
         let [_, lasting] = std::mem::take(&mut self.contact.by_rapier);
-        if !self.world.must_step(way)? {
+        if !self.world.must_step(way)? && lasting == JointVector::zeros() {
             return Ok(*free);
         }
         let coordinates = self.world.coordinates(&mut self.equation, &free.axes.position)?;
@@ -40,8 +40,9 @@ impl PhysicsMachine {
         touches.clear();
         let mut happened = Vec::new();
         let (cycle, diagonal) = (self.cycle, coordinates.mass.diagonal());
+        let time = (self.state.time_ns, cycle);
         let stepped =
-            self.world.step(way, (&handed, &diagonal), cycle, (&mut touches, &mut happened));
+            self.world.step(way, (&handed, &diagonal), time, (&mut touches, &mut happened));
         for touch in &touches {
             let load = [touch.impulse / cycle, touch.depth];
             self.note_parts(touch.parts, touch.point, touch.speed, load);
@@ -49,7 +50,9 @@ impl PhysicsMachine {
         self.contact.touches = touches;
         let time_ns = self.state.time_ns.saturating_add(self.cycle_ns);
         self.body_events.extend(happened.into_iter().map(|kind| BodyEvent { time_ns, kind }));
-        let Some([way, velocity]) = stepped? else { return Ok(*free) };
+        // Efforts that have ended acted in this cycle already: rapier takes them back.
+        let stepped = stepped?.filter(|(_, acts)| *acts || lasting != JointVector::zeros());
+        let Some(([way, velocity], _)) = stepped else { return Ok(*free) };
 
         let size = |effort: &JointVector| effort.dot(&factors.solve(effort)).sqrt();
         let by_contact = coordinates.mass * (velocity - handed) / cycle;

@@ -42,6 +42,9 @@ pub(super) const TOUCHING: f64 = 1e-6;
 /// Parts of a cycle at which it is looked whether parts meet.
 const PLACES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
+/// Least mass of a body between the machine and something else, relative to what the machine moves.
+const LIGHT: f64 = 0.05;
+
 /// Sine of the angle between the axis of a cylinder and a normal on its round side, at least.
 const ROUND: f64 = 0.9;
 
@@ -256,17 +259,17 @@ impl RapierWorld {
         }
     }
 
-    /// A step of rapier of `cycle` s in which the axes come from `from`, and the joints have the velocities `handed` and
+    /// A step of rapier of `cycle` s at `time_ns` in which the axes come from `from`, and the joints have the velocities `handed` and
     /// the inertia `mass`; without contact the axes would get to `to`. Returns the way of the joints and their velocities at
-    /// its end, and fills `touches` and `events`; `None` if nothing acts on the machine.
+    /// its end, and whether anything acted on the machine; fills `touches` and `events`. `None` without a step.
     /// Errors: [`PhysicsError::Apart`].
     pub(super) fn step(
         &mut self,
         [from, to]: [&JointVector; 2],
         (handed, mass): (&JointVector, &JointVector),
-        cycle: f64,
+        (time_ns, cycle): (i64, f64),
         (touches, events): (&mut Vec<Touch>, &mut Vec<BodyEventKind>),
-    ) -> Result<Option<[JointVector; 2]>> {
+    ) -> Result<Option<([JointVector; 2], bool)>> {
         let (Some(stepped), Some(around)) = (&mut self.stepped, &mut self.around) else {
             return Ok(None);
         };
@@ -287,21 +290,25 @@ impl RapierWorld {
             }
         }
         loose.begin_step(&sets.0);
-        let contacts = Contacts { around, loose, surroundings, yielding: self.yielding };
+        let contacts = Contacts { places, around, loose, surroundings, yielding: self.yielding };
         sets.step(self.reach, &contacts, &());
+        // rapier disables what is no longer finite.
+        if !sets.0.quarantine().is_empty() {
+            return Err(PhysicsError::Diverged(time_ns));
+        }
         let pairs = sets.0.narrow_phase.contact_pairs();
         let velocities = Velocities { multibody, loose, places };
         let found = pairs.filter_map(|pair| touch_of(pair, sets, &velocities, &around.pairs));
         touches.extend(found.filter(|touch| touch.impulse > 0.0));
         around.active.retain(|numbers| touches.iter().any(|touch| touch.numbers == *numbers));
         let was_holding = loose.is_holding();
-        loose.end_step(&mut sets.0, &self.moved, (touches, cycle), events);
-        let moves = |part: &Part| matches!(part, Part::Link(_) | Part::Tool);
-        if !was_holding && !touches.iter().any(|touch| touch.parts.iter().any(moves)) {
-            return Ok(None);
-        }
+        let heavy = multibody.mass(mass) * LIGHT;
+        loose.end_step(&mut sets.0, &self.moved, (touches, cycle), heavy, events);
+        // The base does not move.
+        let moves = |part: &Part| matches!(part, Part::Link(1..) | Part::Tool);
+        let acts = was_holding || touches.iter().any(|touch| touch.parts.iter().any(moves));
         let [position, velocity] = multibody.motion(&sets.0);
-        Ok(Some([position - begun, velocity]))
+        Ok(Some(([position - begun, velocity], acts)))
     }
 
     /// Finds the pairs of the machine and what is fixed that touch within a cycle; result true if rapier has a step to
@@ -315,7 +322,10 @@ impl RapierWorld {
 
     /// Closes or opens a gripper, and returns what happened.
     pub(super) fn grip(&mut self, gripper: usize, close: bool) -> Option<BodyEventKind> {
-        let Stepped { sets, loose, surroundings, places, .. } = self.stepped.as_deref_mut()?;
+        let Some(stepped) = self.stepped.as_deref_mut() else {
+            return close.then_some(BodyEventKind::Missed { gripper });
+        };
+        let Stepped { sets, loose, surroundings, places, .. } = stepped;
         if !close {
             return loose.open(&mut sets.0, gripper);
         }
@@ -428,9 +438,7 @@ impl Stepped {
             }
         }
         let first = around.pairs.parts().len() - surroundings.bodies.len();
-        let lowest = sets.0.colliders.iter().map(|(_, collider)| collider.compute_aabb().mins.z);
-        let lowest = lowest.fold(f64::INFINITY, f64::min) - FALL;
-        let loose = LooseBodies::new(&mut sets.0, surroundings, first, lowest)?;
+        let loose = LooseBodies::new(&mut sets.0, surroundings, first, FALL)?;
         let surroundings = surroundings.clone();
         Ok(Self { sets, multibody, loose, surroundings, places, placed })
     }
@@ -456,6 +464,7 @@ impl Velocities<'_> {
 
 /// Rules of the contacts of a step: which parts touch, and with what friction.
 struct Contacts<'a> {
+    places: &'a [Place],
     around: &'a Around,
     loose: &'a LooseBodies,
     surroundings: &'a Surroundings,
@@ -488,10 +497,18 @@ impl PhysicsHooks for Contacts<'_> {
         });
         let touch = if let Some(body) = body {
             // A gripper does not push what it holds.
-            let machine = parts.iter().any(|part| matches!(part, Part::Link(_) | Part::Tool));
+            let by =
+                self.loose.holder(body).and_then(|gripper| self.surroundings.grippers.get(gripper));
+            let carries = by.and_then(|gripper| self.places.get(gripper.link));
+            let other = if parts[0] == Part::Body(body) { other } else { one };
+            let of_other = self.around.pairs.parts().get(other);
+            let is_machine = matches!(of_other, Some((Part::Link(_) | Part::Tool, _)));
+            let of_other = of_other.and_then(|(_, link)| self.places.get(*link));
+            let is_holder = is_machine
+                && carries.zip(of_other).is_some_and(|(one, other)| one.body == other.body);
             let left_out = self.surroundings.names(parts)
                 || self.yielding.gives_way(parts.map(Some))
-                || machine && self.loose.is_held(body);
+                || is_holder;
             !left_out
         } else {
             self.around.active.contains(&[one.min(other), one.max(other)])
@@ -573,6 +590,7 @@ fn touch_of(
     let (first, second) = (first?, second?);
     let (first_part, second_part) = (*pairs.parts().get(first)?, *pairs.parts().get(second)?);
     let (mut impulse, mut middle) = (0.0, Vector3::zeros());
+    let mut push = Vector3::zeros();
     let (mut depth, mut speed) = (0.0_f64, 0.0_f64);
     for manifold in pair.solver_manifolds() {
         let normal = maths::vector_from_rapier(manifold.data.normal);
@@ -581,6 +599,7 @@ fn touch_of(
                 manifold.subshape_pos1().map_or(point.local_p1, |pose| pose * point.local_p1);
             let place = maths::vector_from_rapier(*one.position() * local);
             impulse += point.data.impulse;
+            push += normal * point.data.impulse;
             middle += place * point.data.impulse;
             depth = depth.max(-point.dist);
             let approach = velocities.of(first_part, &place) - velocities.of(second_part, &place);
@@ -590,8 +609,9 @@ fn touch_of(
     let (numbers, parts) = if first <= second {
         ([first, second], [first_part.0, second_part.0])
     } else {
+        push = -push;
         ([second, first], [second_part.0, first_part.0])
     };
     let point = Point3::from(if impulse > 0.0 { middle / impulse } else { middle });
-    Some(Touch { numbers, parts, impulse, point, depth, speed })
+    Some(Touch { numbers, parts, impulse, push, point, depth, speed })
 }

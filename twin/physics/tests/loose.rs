@@ -574,3 +574,62 @@ fn a_body_slides_to_a_stop() {
     let expected = speed * speed / (2.0 * 0.4 * G);
     assert!((way - expected).abs() < 0.02 * expected, "{way} m, not {expected}");
 }
+
+/// A light part between tool and table is pressed as hard as a heavy one: by what the motor gives and the quill weighs.
+#[test]
+fn a_light_part_is_pressed_as_hard_as_a_heavy_one() {
+    for mass in [0.005, 0.07, 0.5, 5.0] {
+        let mut machine = machine(&scene(vec![cube("part", mass, 0.04, [0.05, 0.0, 0.02])], 0.3));
+        // The ball touches the part at −130 mm.
+        for cycle in 1..=1000 {
+            machine.hold([0.0, 0.0, 0.3 - 0.4299 * f64::from(cycle) / 1000.0], 1);
+        }
+        for cycle in 1..=2000 {
+            machine.hold([0.0, 0.0, -0.1299 - 5e-7 * f64::from(cycle)], 1);
+        }
+        let state = *machine.axis_state();
+        let contacts = machine.contacts();
+        let pressed = contacts.iter().find(|one| one.parts == [Part::Link(3), Part::Body(0)]);
+        let pressed = pressed.map_or(0.0, |contact| contact.force);
+        let expected = 3.0 * G - state.effort[2];
+        assert!(expected > 200.0, "{mass} kg: {state:?}");
+        assert!((pressed - expected).abs() < 2e-3 * expected, "{mass} kg: {pressed}, {expected}");
+        // 10 µm at 100 N.
+        assert!((state.position[2] + 0.13).abs() < expected * 1e-7, "{mass} kg: {state:?}");
+        assert!((place(&machine, 0).xy() - Vector3::new(0.05, 0.0, 0.0).xy()).norm() < 1e-4);
+    }
+}
+
+/// The clamp of a light part is not weaker than that of a heavy one, and pushing it gives the axis no energy.
+#[test]
+fn a_clamp_holds_whatever_it_holds() {
+    for mass in [0.01, 1.0] {
+        let part = Body { clamp: Some(1e4), ..cube("part", mass, 0.06, [0.15, 0.0, 0.03]) };
+        let mut machine = machine(&scene(vec![part], 0.3));
+        for cycle in 1..=1000 {
+            machine.hold([0.0, 0.0, 0.3 - 0.45 * f64::from(cycle) / 1000.0], 1);
+        }
+        for cycle in 1..=3000 {
+            machine.hold([0.05_f64.min(2e-5 * f64::from(cycle)), 0.0, -0.15], 1);
+        }
+        let state = *machine.axis_state();
+        // The ball ends 80 mm ahead of the axis, and the part begins at 120 mm.
+        assert!((state.position[0] - 0.04).abs() < 1e-5, "{mass} kg: {state:?}");
+        assert!(machine.take_body_events().is_empty(), "{mass} kg");
+    }
+}
+
+/// A tool that is lifted off what it presses on keeps no effort of the contact: it moves as its motor says.
+#[test]
+fn a_contact_that_ends_leaves_nothing_behind() {
+    let model = super::contact::solid_gantry();
+    let start = axes([0.0, 0.0, -0.17]);
+    let mut machine = started(&model, &[SLACK; 3], Vector3::zeros(), &start);
+    machine.insert_surroundings(&around([table()])).unwrap();
+    machine.push([0.0, 0.0, -90.0], 100);
+    let pressing = *machine.axis_state();
+    assert!(pressing.velocity[2].abs() < 1e-9, "{pressing:?}");
+    let lifted = machine.push([0.0, 0.0, 90.0], 1);
+    let expected = 90.0 / 3.0 * 1e-3;
+    assert!((lifted.velocity[2] - expected).abs() < 0.02 * expected, "{lifted:?}");
+}
