@@ -38,7 +38,7 @@ pub(super) fn finding(machine: &Machine, happening: &BodyHappening) -> Option<Fi
             error(
                 Rule::ClampOverloaded,
                 message,
-                "lower F of the line, or take a clamp that holds more",
+                "go slower there, or take a clamp that holds more",
             )
             .with_value(force, limit, "N")
         }
@@ -49,7 +49,7 @@ pub(super) fn finding(machine: &Machine, happening: &BodyHappening) -> Option<Fi
             let (why, hint) = match cause {
                 LossCause::Acceleration => (
                     "its weight and acceleration",
-                    "lower E or F of the line, or take a gripper that holds more",
+                    "accelerate less there, or take a gripper that holds more; the drives add to the acceleration of the plan",
                 ),
                 LossCause::Collision => (
                     "it touched something",

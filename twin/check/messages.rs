@@ -294,9 +294,10 @@ pub(super) fn too_near(machine: &Machine, found: &BlockClearance, wanted: f64) -
 /// A blow in the simulated machine.
 pub(super) fn ran_into(machine: &Machine, blow: &Blow) -> Finding {
     let Blow { place, parts, tool, speed, impulse, peak } = *blow;
+    let stiffness = machine.collision.as_ref().map_or(0.0, |it| it.surroundings.stiffness) * 1e-3;
     let [one, other] = parts.map(|part| machine.part_name_with(part, tool));
     let message = format!(
-        "{one} ran into {other} with {:.1} mm/s in the simulated machine: impulse {impulse:.3} N s, peak force {} at the contact stiffness of the machine file",
+        "{one} ran into {other} with {:.1} mm/s in the simulated machine: impulse {impulse:.3} N·s, peak force {} at {stiffness} N/mm (stiffness_n_per_mm)",
         speed * 1e3,
         in_newtons(peak)
     );

@@ -171,7 +171,7 @@ impl Collision {
         let found = |name: &String| {
             part(name).ok_or_else(|| {
                 format!(
-                    "`leave_out` names \"{name}\", which is neither a link nor an obstacle; there are {}",
+                    "`leave_out` names \"{name}\", which is not a link, an obstacle or a body; there are {}",
                     known()
                 )
             })

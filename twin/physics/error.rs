@@ -215,7 +215,7 @@ impl PhysicsError {
                 part(other)
             ),
             Self::Collision { parts: [one, other], impulse } => {
-                format!("{} ran into {} with {impulse:.3} N s", part(one), part(other))
+                format!("{} ran into {} with {impulse:.3} N·s", part(one), part(other))
             }
             Self::Contact(time_ns) => format!(
                 "at {time_ns} ns nothing keeps apart what touches: it is too stiff for what an axis moves (stiffness_n_per_mm)"

@@ -2,7 +2,7 @@
 //!
 //! A gripper holds a body by a fixed joint framed at their present pose, so gripping moves nothing. rapier's joints give
 //! their force; the moment about the gripper is that of the body's weight and acceleration,
-//! I·α + ω×(I·ω) + r×F, because the angular part of a joint's impulse is no moment.
+//! I·α + ω×(I·ω) + r×F, because the angular part of a joint's impulse is not a moment. Moments of contacts are left out.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapier3d_f64::dynamics::{

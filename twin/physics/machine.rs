@@ -252,7 +252,7 @@ impl PhysicsMachine {
         std::mem::take(&mut self.events)
     }
 
-    /// Poses of the loose bodies in the machine frame, in the order of [`crate::Surroundings::bodies`]; none of a tripod.
+    /// Poses of the loose bodies in the machine frame, in the order of [`crate::Surroundings::bodies`].
     pub fn body_poses(&self) -> Vec<Isometry3<f64>> {
         self.world.body_poses()
     }

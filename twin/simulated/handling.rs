@@ -51,6 +51,11 @@ impl Handling {
             physics.grip(gripper, close);
         }
         for event in physics.take_body_events() {
+            // What goes as meant must not crowd out what does not.
+            if matches!(event.kind, BodyEventKind::Gripped { .. } | BodyEventKind::Released { .. })
+            {
+                continue;
+            }
             let distance = match event.kind {
                 BodyEventKind::Missed { gripper } => self.distance(gripper, physics),
                 _ => None,

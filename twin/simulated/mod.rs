@@ -313,9 +313,6 @@ impl Plant for Simulated {
             self.physics.axis_state().position
         };
         self.feel(setpoint, &position)?;
-        if let Some(handling) = &mut self.handling {
-            handling.act(setpoint, &mut self.physics);
-        }
         self.arrived = Some(AxisFeedback { time_ns: setpoint.time_ns, position });
         self.motors.clear();
         self.motors.extend((0..position.len()).map(|axis| self.physics.motor_state(axis)));
@@ -326,7 +323,11 @@ impl Plant for Simulated {
                 switch.get_or_insert(PhysicsError::LimitSwitch { axis: event.axis, side });
             }
         }
-        self.run_into(setpoint.place)?;
+        let crashed = self.run_into(setpoint.place);
+        if let Some(handling) = &mut self.handling {
+            handling.act(setpoint, &mut self.physics);
+        }
+        crashed?;
         switch.map_or(Ok(()), Err)
     }
 

@@ -115,7 +115,7 @@ impl Control {
         };
         if let Some((letter, code, word)) = needed {
             block.get(letter).ok_or_else(|| DecodeError::missing(code, word))?;
-            block.drop(block.letters());
+            block.drop(Letters::of("PQRXYZ"));
             block.g.motion = None;
         }
         let dwells = block.g.one_shot == Some(OneShot::Dwell);

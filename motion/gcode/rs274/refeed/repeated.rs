@@ -98,7 +98,7 @@ fn verify(
             return Err(RefeedError::Fixed(before.place, READ));
         }
     }
-    Ok(())
+    after.next().map_or(Ok(()), |more| Err(RefeedError::Fixed(more.place, READ)))
 }
 
 /// A line that cuts, over its executions.
