@@ -55,7 +55,9 @@ impl Moving {
     ) -> Result<Self> {
         let mut parts = Vec::new();
         for (name, solids, pose) in all {
-            solids.iter().for_each(|solid| bounds.add_solid(&pose, solid));
+            for solid in solids {
+                bounds.add_solid(&pose, solid);
+            }
             let entity = entity(folder, name);
             solids::log(stream, &entity, solids)?;
             parts.push(Part { entity, pose: None });
