@@ -6,7 +6,7 @@ use twin_machine::Machine;
 use twin_number::{apart, seconds};
 use twin_physics::{BodyEventKind, Gripper, LossCause, Part};
 
-/// What happened to a body or a gripper, in words; `None` if it went as meant.
+/// Finding about an event of a body or a gripper; `None` if it went as meant.
 pub(super) fn finding(machine: &Machine, happening: &BodyHappening) -> Option<Finding> {
     let BodyHappening { place, time_ns, kind, distance } = *happening;
     let around = &machine.collision.as_ref()?.surroundings;

@@ -38,7 +38,7 @@ impl MachineOption {
     }
 }
 
-/// What is around the machine for one job.
+/// Surroundings of the machine for one job.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct SceneOption {
     /// Scene file (TOML): [[bodies]], [[obstacles]], [[friction]] and [[grippers]], added to those of the machine file

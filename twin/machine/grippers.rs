@@ -28,7 +28,7 @@ impl GripperKind {
     }
 }
 
-/// What closes and opens a gripper.
+/// Signal that closes and opens a gripper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GripperSignal {
     /// Numbers of the M functions that close and open it.
@@ -42,7 +42,7 @@ pub enum GripperSignal {
 pub struct GripperControl {
     /// Its kind.
     pub kind: GripperKind,
-    /// What closes and opens it.
+    /// Its signal.
     pub signal: GripperSignal,
     /// Delay of its valve, ns.
     pub delay_ns: i64,
@@ -104,7 +104,7 @@ pub(super) fn read(
     Some((Gripper { name, link, point, direction, reach, force, moment }, control))
 }
 
-/// What closes and opens the gripper of `section`.
+/// Signal of the gripper of `section`.
 fn signal(
     section: &Section<'_>,
     known: &[Gripper],

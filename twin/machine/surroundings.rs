@@ -37,13 +37,13 @@ pub struct Collision {
     pub clearance: f64,
     /// Links that overlap with every axis in the middle of its travel, and are therefore not checked.
     pub overlapping: Vec<[Part; 2]>,
-    /// What closes and opens the grippers, in the order of [`Surroundings::grippers`].
+    /// Signals of the grippers, in the order of [`Surroundings::grippers`].
     pub controls: Vec<GripperControl>,
     /// Names of the materials, from number 1 on.
     materials: Vec<String>,
 }
 
-/// What the tables of surroundings refer to.
+/// References of the tables of surroundings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frames<'a> {
     /// The file that they are in.

@@ -105,6 +105,11 @@ impl PhysicsMachine {
         let axes = self.axes_with_contacts((&from.axes, &free.axes, dt), &near);
         self.contact.near = near;
         let axes = axes?;
+        Ok(self.with_axes(axes, free))
+    }
+
+    /// `free` with the axes at `axes`; motors without springs are where their axes are.
+    pub(super) fn with_axes(&self, axes: JointState, free: &MachineState) -> MachineState {
         let mut motors = axes;
         let slots = motors.position.iter_mut().zip(motors.velocity.iter_mut());
         let known = free.motors.position.iter().zip(&free.motors.velocity);
@@ -113,7 +118,7 @@ impl PhysicsMachine {
                 (*position, *velocity) = (*known.0, *known.1);
             }
         }
-        Ok(MachineState { axes, motors })
+        MachineState { axes, motors }
     }
 
     fn axes_with_contacts(

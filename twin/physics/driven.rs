@@ -28,11 +28,12 @@ pub(super) struct Driven {
     map: Map,
 }
 
-/// How joints follow axes.
+/// Map from axes to joints.
 #[derive(Clone, Debug)]
 enum Map {
-    /// By matrices: of the joints per axis, and of the axes per joint.
-    Linear(Box<[JointMatrix; 2]>),
+    /// By matrices: of the joints per axis, of the axes per joint, and the inertia of rotors between joints, which
+    /// rapier does not have.
+    Linear(Box<[JointMatrix; 3]>),
     /// By the place of the platform, which is this link.
     Platform(usize),
 }
@@ -43,7 +44,7 @@ pub(super) struct Coordinates {
     /// Velocities of the joints per velocity of the axes, and the other way round.
     pub(super) to_joints: JointMatrix,
     pub(super) to_axes: JointMatrix,
-    /// Inertia of the joints, as rapier has it; 1 on the diagonal where there is no joint.
+    /// Inertia of the joints, as rapier has it; 1 on the diagonal without a joint.
     pub(super) mass: JointMatrix,
 }
 
@@ -58,7 +59,8 @@ impl Driven {
             let to_axes = inverse.map_err(|_singular| PhysicsError::Apart)?;
             // Rotors that several joints share are felt by each as if the others were at rest.
             let rotors = to_axes.tr_mul(&(JointMatrix::from_diagonal(armature) * to_axes));
-            let map = Map::Linear(Box::new([to_joints, to_axes]));
+            let between = rotors - JointMatrix::from_diagonal(&rotors.diagonal());
+            let map = Map::Linear(Box::new([to_joints, to_axes, between]));
             return Ok(Self { tree, armature: rotors.diagonal(), map });
         };
         let platform = linkage::platform(model).ok_or(PhysicsError::Apart)?;
@@ -105,7 +107,10 @@ impl Driven {
     ) -> Result<Coordinates> {
         let inertia = equation.inertia(position).ok_or(PhysicsError::Apart)?;
         let (to_joints, to_axes) = match (&self.map, equation) {
-            (Map::Linear(matrices), _) => (**matrices).into(),
+            (Map::Linear(matrices), _) => {
+                let [to_joints, to_axes, _] = **matrices;
+                (to_joints, to_axes)
+            }
             (Map::Platform(_), Equation::Tripod(tripod)) => {
                 let to_joints = tripod.shift(position)?;
                 let inverse = to_joints.pseudo_inverse(SINGULAR);
@@ -114,8 +119,9 @@ impl Driven {
             (Map::Platform(_), Equation::Tree(_)) => return Err(PhysicsError::Apart),
         };
         let mut mass = to_axes.tr_mul(&(inertia * to_axes));
-        if matches!(self.map, Map::Platform(_)) {
-            mass = JointMatrix::from_diagonal(&mass.diagonal());
+        match &self.map {
+            Map::Linear(matrices) => mass -= matrices[2],
+            Map::Platform(_) => mass = JointMatrix::from_diagonal(&mass.diagonal()),
         }
         for joint in 0..MAX_AXES {
             if mass[(joint, joint)] <= 0.0 {

@@ -100,7 +100,7 @@ pub enum BodyEventKind {
     Moved {
         /// The body.
         body: usize,
-        /// What pushed it.
+        /// The part of the machine that pushed it.
         by: crate::Part,
     },
     /// A body fell below everything that could carry it.

@@ -133,7 +133,6 @@ pub use load::{MotorLoad, MotorState};
 pub use machine::{AxisState, PhysicsMachine};
 pub use noise::NoiseParameters;
 pub use side::Side;
-pub use solids::uniform_inertial;
 pub use start::{check_bodies, distance_to_bodies};
 pub use surroundings::{
     Body, Gripper, Material, Obstacle, ObstacleKind, Part, Surface, Surroundings, YieldingTool,

@@ -66,14 +66,6 @@ impl PhysicsMachine {
             position: free.axes.position + coordinates.to_axes * (way - mean * cycle),
             velocity: free.axes.velocity + coordinates.to_axes * (velocity - mean),
         };
-        let mut motors = axes;
-        let slots = motors.position.iter_mut().zip(motors.velocity.iter_mut());
-        let known = free.motors.position.iter().zip(&free.motors.velocity);
-        for ((position, velocity), (known, train)) in slots.zip(known.zip(&self.trains)) {
-            if train.elastic.is_some() {
-                (*position, *velocity) = (*known.0, *known.1);
-            }
-        }
-        Ok(MachineState { axes, motors })
+        Ok(self.with_axes(axes, free))
     }
 }

@@ -8,11 +8,10 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use rapier3d_f64::geometry::SharedShape;
 use rapier3d_f64::math::{Pose, Vector};
-use rapier3d_f64::parry::mass_properties::MassProperties;
 use rapier3d_f64::parry::transformation::try_convex_hull;
 use rapier3d_f64::parry::transformation::vhacd::{VHACD, VHACDParameters};
 use rapier3d_f64::parry::transformation::voxelization::FillMode;
-use twin_urdf::{Inertial, Link, Mesh, Model, Solid, SolidShape};
+use twin_urdf::{Link, Mesh, Model, Solid, SolidShape};
 
 use crate::error::{PhysicsError, Result};
 use crate::maths;
@@ -84,22 +83,6 @@ pub(super) fn placed(solid: &Solid) -> Option<Placed> {
         SolidShape::Mesh { mesh, scale } => known_parts(mesh, scale)?,
     };
     Some(Placed { shape, pose })
-}
-
-/// Mass distribution of solids of `mass` kg with the same density everywhere; `None` if they have no volume.
-pub fn uniform_inertial(solids: &[Solid], mass: f64) -> Option<Inertial> {
-    let parts = solids.iter().map(|solid| {
-        let Placed { shape, pose } = placed(solid)?;
-        Some(shape.mass_properties(1.0).transform_by(&maths::pose_to_rapier(&pose)))
-    });
-    let parts = parts.collect::<Option<Vec<_>>>()?;
-    let whole = parts.into_iter().fold(MassProperties::default(), |sum, part| sum + part);
-    let factor = mass / whole.mass();
-    factor.is_finite().then(|| Inertial {
-        mass,
-        center: maths::vector_from_rapier(whole.local_com).into(),
-        inertia: maths::matrix_from_rapier(whole.reconstruct_inertia_matrix()) * factor,
-    })
 }
 
 /// Index of the tool among the collision solids of the last link: the solid that the tip lies on.

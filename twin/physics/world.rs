@@ -74,7 +74,7 @@ pub(super) struct RapierWorld {
     stepped: Option<Box<Stepped>>,
 }
 
-/// What rapier steps.
+/// World of rapier, and what it contains.
 #[derive(Clone)]
 struct Stepped {
     sets: Sets,
@@ -292,7 +292,7 @@ impl RapierWorld {
         loose.begin_step(&sets.0);
         let contacts = Contacts { places, around, loose, surroundings, yielding: self.yielding };
         sets.step(self.reach, &contacts, &());
-        // rapier disables what is no longer finite.
+        // rapier disables bodies that are not finite.
         if !sets.0.quarantine().is_empty() {
             return Err(PhysicsError::Diverged(time_ns));
         }

@@ -12,7 +12,7 @@ fn cube(name: &str, mass: f64, edge: f64, place: [f64; 3]) -> Body {
     let [x, y, z] = place;
     Body {
         name: name.into(),
-        inertial: uniform_inertial(&solids, mass).unwrap(),
+        inertial: solids[0].uniform(mass),
         solids,
         pose: Isometry3::translation(x, y, z),
         material: 0,
@@ -350,7 +350,7 @@ fn a_tripod_carries() {
     let below = solid(SolidShape::Box { size: Vector3::repeat(0.02) }, [0.0; 3]);
     let part = Body {
         name: "part".into(),
-        inertial: uniform_inertial(std::slice::from_ref(&below), 0.8).unwrap(),
+        inertial: below.uniform(0.8),
         solids: vec![below],
         pose: Isometry3::translation(tip.x, tip.y, tip.z - 0.0115),
         material: 0,
@@ -456,7 +456,7 @@ fn round_parts_lie_still() {
     let round = |name: &str, shape: SolidShape, turn: UnitQuaternion<f64>, place: [f64; 3]| {
         let mut body = cube(name, 0.2, 0.04, place);
         body.solids = vec![solid(shape, [0.0; 3])];
-        body.inertial = uniform_inertial(&body.solids, 0.2).unwrap();
+        body.inertial = body.solids[0].uniform(0.2);
         body.pose.rotation = turn;
         body
     };

@@ -223,6 +223,6 @@ fn macro_statements_of_fanuc() {
             assert!(found.starts_with(start) && found.contains(rewrite), "{found}");
         }
     }
-    // A function behind a letter is no statement.
+    // A function behind a letter is not a statement.
     assert_eq!(decode("G2 X2 IFIX[1.5] F9\nM2").errors, []);
 }
